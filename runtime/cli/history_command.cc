@@ -54,6 +54,7 @@ options::ExitStatus ShowHistory(const HistoryArguments& arguments) {
   if (read.files.empty() && read.left_out.empty())
     throw options::CommandError(
         fmt::format("there is no results file (.h5) in {}", arguments.folder));
+  printed.files = read.files.size();
   if (!arguments.repository.empty()) {
     printed.commits = plans::ReadCommits(arguments.repository);
     plans::PlaceByCommits(printed.commits, read);
@@ -62,7 +63,6 @@ options::ExitStatus ShowHistory(const HistoryArguments& arguments) {
   printed.histories = history::MakeHistories(read.files, options);
   for (const plans::HistoryFolder::LeftOut& of : read.left_out)
     printed.left_out.emplace_back(of.file, of.why);
-  printed.files = read.files.size();
   printed.read = read.read;
   if (!arguments.since.empty()) printed.since = PlaceOfLabel(arguments.since, printed.histories);
   if (!read.cache_trouble.empty())
@@ -85,7 +85,8 @@ void DeclareHistory(options::Subcommand& command) {
   const auto arguments = std::make_shared<HistoryArguments>();
   command.Required("FOLDER", arguments->folder,
                    "folder of results files, one or more for each commit");
-  command.Optional("--least", arguments->least, "the least change that is reported (default: 1%)");
+  command.Optional("--least", arguments->least,
+                   "the least change that is reported (default: 1%, and 0.1% of instructions)");
   command.Optional("--since", arguments->since,
                    "only changes after this file, by its label (default: the first)");
   command.Optional("--fail-above", arguments->fail_above,

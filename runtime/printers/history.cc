@@ -41,11 +41,17 @@ std::string CommitText(const history::Commit& commit) {
 
 std::string PointText(const std::string& place) { return place.empty() ? "the only point" : place; }
 
+/// Digits of a percentage after the point: counts of instructions have less noise than times.
+int DigitsOf(const history::FigureInfo& figure) {
+  return figure.kind == FigureKind::kInstructions ? 2 : 1;
+}
+
 /// `step +5.1 % (+4.8 .. +5.4 %)`; with the number of its points, if it is not `points`.
 std::string FigureText(const FigureChange& change, std::size_t points) {
   const std::size_t count = change.changes.size();
-  return fmt::format("{} {} ({}){}", change.figure->text, PercentText(change.ratio),
-                     PercentRange(change.low, change.high),
+  const int digits = DigitsOf(*change.figure);
+  return fmt::format("{} {} ({}){}", change.figure->text, PercentText(change.ratio, digits),
+                     PercentRange(change.low, change.high, digits),
                      count == points ? "" : " at " + Counted(count, "point"));
 }
 
@@ -194,7 +200,8 @@ std::string GateLine(const PrintedHistories& printed, const History& of) {
   for (const std::size_t i : worse)
     texts.push_back(fmt::format("{} at {} {}", of.series[i].figure->text,
                                 PointText(of.series[i].place),
-                                PercentText(of.RatioSince(of.series[i], printed.SinceOf(of)))));
+                                PercentText(of.RatioSince(of.series[i], printed.SinceOf(of)),
+                                            DigitsOf(*of.series[i].figure))));
   return fmt::format("FAIL (exit status 4): worse by more than {:g} % since {}: {}",
                      100 * *printed.fail_above, of.labels[printed.SinceOf(of)], PlacesText(texts));
 }
@@ -343,8 +350,11 @@ Document HistoriesDocument(const PrintedHistories& printed) {
   Document document;
   for (const History& of : printed.histories) document.push_back(SectionOf(printed, of));
   Section last = {.title = printed.folder};
-  last.lines.push_back(fmt::format("{}, of which {} read; the others are in the cache",
-                                   Counted(printed.files, "results file"), printed.read));
+  last.lines.push_back(
+      Counted(printed.files, "results file") +
+      (printed.read == printed.files
+           ? ""
+           : fmt::format(", of which {} read; the others are in the cache", printed.read)));
   for (const auto& [file, why] : printed.left_out)
     last.lines.push_back(fmt::format("Left out: {}: {}", file, why));
   document.push_back(std::move(last));

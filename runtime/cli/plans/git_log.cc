@@ -49,11 +49,21 @@ std::optional<std::size_t> CommitIn(const Places& places, std::string_view name)
   return last;
 }
 
+/// Why a file of a commit that is not of the main line is left out. Such a commit lacks what others
+/// changed meanwhile, so that its neighbours in the list differ by more than its own change.
+std::string OfABranch(const std::vector<history::Commit>& commits, std::size_t place) {
+  constexpr std::size_t kShort = 9;
+  // The last commit is of the main line.
+  while (!commits[place].is_main) ++place;
+  return fmt::format("its commit is of a branch that {} merged; measure that one",
+                     commits[place].hash.substr(0, kShort));
+}
+
 }  // namespace
 
 std::vector<history::Commit> ReadCommits(const std::string& repository) {
   const auto end = process::RunProgram({"git", "-C", repository, "log", "--no-show-signature",
-                                        "--topo-order", "--reverse", "--format=%H %s"});
+                                        "--topo-order", "--reverse", "--format=%H %P%x09%s"});
   if (!end)
     throw options::CommandError(
         "--git needs the program git, which is in no folder of PATH; install it, or leave out "
@@ -63,14 +73,26 @@ std::vector<history::Commit> ReadCommits(const std::string& repository) {
     throw options::CommandError(
         fmt::format("--git {}: git log failed: {}", repository, text::Printable(end->err)));
   std::vector<history::Commit> commits;
+  std::vector<std::string_view> first_parents;
   std::string_view rest = end->out;
   while (!rest.empty()) {
     const std::string_view line = rest.substr(0, rest.find('\n'));
-    const std::size_t space = std::min(line.find(' '), line.size());
-    commits.push_back(
-        {std::string(line.substr(0, space)),
-         text::Printable(std::string(line.substr(std::min(space + 1, line.size()))))});
+    const std::size_t tab = std::min(line.find('\t'), line.size());
+    const std::string_view hashes = line.substr(0, tab);
+    const std::size_t own = std::min(hashes.find(' '), hashes.size());
+    const std::string_view parents = hashes.substr(std::min(own + 1, hashes.size()));
+    commits.push_back({std::string(hashes.substr(0, own)),
+                       text::Printable(std::string(line.substr(std::min(tab + 1, line.size())))),
+                       false});
+    first_parents.push_back(parents.substr(0, parents.find(' ')));
     rest.remove_prefix(std::min(line.size() + 1, rest.size()));
+  }
+  // Parents are listed before their children.
+  std::string_view next = commits.empty() ? std::string_view() : commits.back().hash;
+  for (std::size_t i = commits.size(); i-- > 0;) {
+    if (commits[i].hash != next) continue;
+    commits[i].is_main = true;
+    next = first_parents[i];
   }
   return commits;
 }
@@ -80,13 +102,15 @@ void PlaceByCommits(const std::vector<history::Commit>& commits, HistoryFolder& 
   for (std::size_t i = 0; i < commits.size(); ++i) places.emplace(commits[i].hash, i);
   std::erase_if(folder.files, [&](history::FileFigures& file) {
     const auto place = CommitIn(places, file.file);
-    if (place) {
+    if (place && commits[*place].is_main) {
       file.place = static_cast<double>(*place);
-    } else {
-      folder.left_out.push_back(
-          {file.file, "its name has no commit of the repository: name it BENCHMARK-COMMIT.h5"});
+      return false;
     }
-    return !place;
+    folder.left_out.push_back({file.file, place
+                                              ? OfABranch(commits, *place)
+                                              : "its name has no commit of the repository: name it "
+                                                "BENCHMARK-COMMIT.h5"});
+    return true;
   });
 }
 

@@ -14,7 +14,8 @@ namespace cdb::plans {
 std::vector<history::Commit> ReadCommits(const std::string& repository);
 
 /// Gives each file the place of its commit: the last word of its name that is the beginning of the
-/// hash of one of `commits`, with seven digits or more. Files of no such commit are left out.
+/// hash of one of `commits`, with seven digits or more. Files of no such commit are left out, and
+/// those of branches that were merged: they are not in one line with the others.
 void PlaceByCommits(const std::vector<history::Commit>& commits, HistoryFolder& folder);
 
 }  // namespace cdb::plans

@@ -194,6 +194,7 @@ class Search {
     JoinIntoDrifts();
     AddSlopes();
     std::ranges::sort(changes_, {}, &Change::to);
+    MeasureBesideDrifts();
     return std::move(changes_);
   }
 
@@ -256,10 +257,13 @@ class Search {
     }
   }
 
+  static double ReachOf(const SplitTest& test) {
+    return test.error > 0 ? figures::StudentExceeded(0.025, test.freedom) * test.error : 0;
+  }
+
   Change StepAt(std::size_t i) const {
     const SplitTest test = TestAt(i);
-    const double reach =
-        test.error > 0 ? figures::StudentExceeded(0.025, test.freedom) * test.error : 0;
+    const double reach = ReachOf(test);
     const auto positions = static_cast<double>(After(i) - Before(i) + 1 - 2 * kLeastSegment);
     return {false,
             splits_[i] - 1,
@@ -268,6 +272,24 @@ class Search {
             test.difference - reach,
             test.difference + reach,
             Adjusted(test.p * positions, kOfSplits)};
+  }
+
+  /// The sizes of steps whose level before or after had values of what turned out to be a drift.
+  void MeasureBesideDrifts() {
+    for (std::size_t i = 0; i < changes_.size(); ++i) {
+      Change& step = changes_[i];
+      const bool is_after = i > 0 && changes_[i - 1].is_drift,
+                 is_before = i + 1 < changes_.size() && changes_[i + 1].is_drift;
+      if (step.is_drift || (!is_after && !is_before)) continue;
+      const std::size_t from = i == 0 ? 0 : changes_[i - 1].to,
+                        to = i + 1 == changes_.size() ? values_.size() : EndBefore(i + 1);
+      if (step.to < from + kLeastSegment || to < step.to + kLeastSegment) continue;
+      const SplitTest test = TestSplit(Part(from, step.to), Part(step.to, to));
+      if (test.difference * step.log_ratio <= 0) continue;
+      step.log_ratio = test.difference;
+      step.low = test.difference - ReachOf(test);
+      step.high = test.difference + ReachOf(test);
+    }
   }
 
   double Adjusted(double p, double share) const {

@@ -107,10 +107,13 @@ void FindAllChanges(const HistoryOptions& options, History& history) {
   };
   const auto searched = std::ranges::count_if(history.series, is_long);
   history.short_series = history.series.size() - static_cast<std::size_t>(searched);
-  const SearchLimits limits = {options.least_effect, options.significance,
-                               static_cast<std::size_t>(searched)};
-  for (Series& series : history.series)
-    if (is_long(series)) series.changes = FindChanges(LogsOf(series.values), limits);
+  for (Series& series : history.series) {
+    if (!is_long(series)) continue;
+    const double least = series.figure->kind == FigureKind::kInstructions ? 0.001 : 0.01;
+    series.changes = FindChanges(LogsOf(series.values),
+                                 {options.least_effect.value_or(least), options.significance,
+                                  static_cast<std::size_t>(searched)});
+  }
 }
 
 /// A change of one series, in files of the history.

@@ -126,6 +126,34 @@ TEST(HistoryCommand, OrdersFilesByCommits) {
   EXPECT_EQ(program.Run({"history", "history", "--git", "history"}).status, 2);
 }
 
+TEST(HistoryCommand, LeavesOutCommitsOfBranches) {
+  const Program program;
+  MakeRepository(program, 8);
+  const Finished made = program.Shell(
+      "cd repo && main=$(git branch --show-current) && git checkout -q -b side HEAD~2 &&"
+      " git commit -q --allow-empty -m Side && git checkout -q $main &&"
+      " git merge -q --no-ff -m Merge side && git commit -q --allow-empty -m Last &&"
+      " git rev-parse side HEAD~1 && git rev-list --reverse HEAD");
+  ASSERT_EQ(made.status, 0) << made.err;
+  std::vector<std::string> hashes;
+  for (std::size_t at = 0; at < made.out.size(); at = made.out.find('\n', at) + 1)
+    hashes.push_back(made.out.substr(at, 12));
+  ASSERT_EQ(hashes.size(), 2u + 11u);
+  std::filesystem::create_directories(program.folder() / "history");
+  for (std::size_t i = 2; i < hashes.size(); ++i)
+    WriteCompared({.plan = ComparedPlan(1, {"10"}, {"simple"}),
+                   .change = Slower(1, hashes[i] == hashes[0] ? 1.5 : 1),
+                   .noise = 0.004,
+                   .seed = i},
+                  program.folder() / fmt::format("history/fixture-{}.h5", hashes[i]));
+  const json all = JsonOf(program, {"--git", "repo"});
+  EXPECT_EQ(all["histories"][0]["files"].size(), 10u);
+  ASSERT_EQ(all["left_out"].size(), 1u);
+  EXPECT_THAT(all["left_out"][0]["file"].get<std::string>(), HasSubstr(hashes[0]));
+  EXPECT_THAT(all["left_out"][0]["why"].get<std::string>(),
+              HasSubstr("of a branch that " + hashes[1].substr(0, 9) + " merged"));
+}
+
 TEST(HistoryCommand, WritesAPage) {
   const Program program;
   WriteCommits(program, 24, SlowerFrom(14));
@@ -144,7 +172,7 @@ TEST(HistoryCommand, KeepsCountsOfInstructionsApart) {
   WriteCommits(program, 16, [](int commit, ComparedResult& result) {
     result.plan = ComparedPlan(1, {"10"}, {"simple", "sap"}, "clock instructions");
     result.noise = 0.0001;
-    if (commit >= 9) result.change = Slower(1, 1.02);
+    if (commit >= 9) result.change = Slower(1, 1.004);
   });
   const json changes = JsonOf(program)["histories"][0]["changes"];
   ASSERT_EQ(changes.size(), 1u) << changes.dump(1);

@@ -116,6 +116,24 @@ TEST(ChangePoints, OfExactLevelsAreExact) {
   EXPECT_TRUE(FindChanges(logs, {.least_effect = 0.7}).empty());
 }
 
+TEST(ChangePoints, AStepBeforeADriftHasItsOwnSize) {
+  std::vector<double> logs;
+  distributions::Stream stream(3);
+  for (std::size_t i = 0; i < 30; ++i)
+    logs.push_back((i >= 11 ? 0.05 : 0) +
+                   0.004 * static_cast<double>(std::clamp(i, 16ul, 27ul) - 16) +
+                   1e-5 * stream.Normal());
+  const FoundChanges changes = FindChanges(logs, {});
+  ASSERT_EQ(changes.size(), 2u);
+  EXPECT_FALSE(changes[0].is_drift);
+  EXPECT_EQ(changes[0].to, 11u);
+  EXPECT_NEAR(changes[0].log_ratio, 0.05, 1e-4);
+  EXPECT_TRUE(changes[1].is_drift);
+  EXPECT_EQ(changes[1].from, 16u);
+  EXPECT_EQ(changes[1].to, 27u);
+  EXPECT_NEAR(changes[1].log_ratio, 0.044, 1e-4);
+}
+
 TEST(ChangePoints, AnExactSlopeIsOneDrift) {
   std::vector<double> logs;
   for (int i = 0; i < 40; ++i) logs.push_back(0.01 * std::min(std::max(0, i - 5), 20));
