@@ -9,11 +9,15 @@
 // cannot be written or is not safe. Threads: any.
 #pragma once
 
+#include <bit>
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "compiler/plan/input_file.h"
 
@@ -56,6 +60,57 @@ class CacheLock {
 
   std::filesystem::path file_;  ///< exists while it is held
   plan::Descriptor fd_;
+};
+
+/// Appends the values passed to it, for an entry that is the same on every machine.
+class ByteWriter {
+ public:
+  void Word(std::uint64_t word) {
+    for (int i = 0; i < 8; ++i) bytes_ += static_cast<char>(word >> 8 * i & 0xff);
+  }
+  void Real(double real) { Word(std::bit_cast<std::uint64_t>(real)); }
+  void Size(const auto& items) { Word(items.size()); }
+  void Index(std::uint32_t index) { Word(index); }
+  void Character(char c) { bytes_ += c; }
+  std::string Take() { return std::move(bytes_); }
+
+ private:
+  std::string bytes_;
+};
+
+/// Restores the values that ByteWriter stored.
+class ByteReader {
+ public:
+  explicit ByteReader(std::string_view bytes) : bytes_(bytes) {}
+
+  void Real(double& real) { real = std::bit_cast<double>(Next()); }
+  void Size(auto& items) {
+    // The data are those written; the limit guards against our own errors.
+    const std::uint64_t size = Next();
+    is_good_ = is_good_ && size <= bytes_.size();
+    items.resize(is_good_ ? size : 0);
+  }
+  void Index(std::uint32_t& index) { index = static_cast<std::uint32_t>(Next()); }
+  void Character(char& c) {
+    is_good_ = is_good_ && !bytes_.empty();
+    if (!is_good_) return;
+    c = bytes_[0];
+    bytes_.remove_prefix(1);
+  }
+  bool IsDone() const { return is_good_ && bytes_.empty(); }
+
+ private:
+  std::uint64_t Next() {
+    is_good_ = is_good_ && bytes_.size() >= 8;
+    if (!is_good_) return 0;
+    std::uint64_t word = 0;
+    for (std::size_t i = 8; i-- > 0;) word = word << 8 | static_cast<unsigned char>(bytes_[i]);
+    bytes_.remove_prefix(8);
+    return word;
+  }
+
+  std::string_view bytes_;
+  bool is_good_ = true;
 };
 
 }  // namespace cdb::library

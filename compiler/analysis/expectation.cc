@@ -7,6 +7,7 @@
 
 #include "compiler/analysis/joints.h"
 #include "compiler/analysis/population.h"
+#include "compiler/analysis/soft.h"
 #include "compiler/analysis/standing.h"
 #include "compiler/schema/parametrised_words.h"
 #include "dsl/text/check.h"
@@ -97,6 +98,7 @@ std::string DriverText(const plan::Scene& scene) {
   for (const plan::Group& group : scene.groups) {
     // Kinematic objects do work on the objects that they push.
     if (HasKinematic(group)) return fmt::format("group {} is kinematic", group.name);
+    if (HasDrivenPins(group)) return fmt::format("pins move the nodes of group {}", group.name);
     if (HasSchedule(group)) return fmt::format("a schedule moves group {}", group.name);
   }
   if (const plan::Joint* joint = FindMotor(scene)) return "a motor drives " + TextOf(*joint);

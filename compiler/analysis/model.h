@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
@@ -15,6 +16,8 @@
 #include "compiler/plan/plan.h"
 
 namespace cdb::analysis {
+
+struct SoftMesh;
 
 struct ModelFacts {
   /// Sides of the box around it, along the axes of the file, m: at `size native`, or at size 1 if
@@ -28,6 +31,7 @@ struct ModelFacts {
   std::optional<double> iou;
   std::size_t hulls = 0;  ///< of a compound
   std::string text;       ///< of `cdb check`, on one line; empty for a closed form
+  std::shared_ptr<const SoftMesh> tetrahedra = {};  ///< of soft( )
 
   /// The sides of a solid of this size and aspect; a size of 0 is native.
   Eigen::Vector3d SidesOf(double size, const Eigen::Vector3d& aspect) const {

@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include "compiler/analysis/setting_fault.h"
+#include "compiler/analysis/scene_fault.h"
 #include "compiler/plan/plan.h"
 
 namespace cdb::analysis {

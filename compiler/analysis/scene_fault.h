@@ -8,6 +8,7 @@
 #include <string>
 
 #include "compiler/plan/plan.h"
+#include "compiler/schema/schema.h"
 
 namespace cdb::analysis {
 
@@ -27,5 +28,13 @@ struct SceneFault {
 /// were; a crowded scene that needs more shows its fault in the run.
 using FindSceneFault =
     std::function<std::optional<SceneFault>(const plan::Scene& scene, std::uint64_t& draws)>;
+
+/// A setting that the rest of a scene rules out.
+struct SettingFault {
+  std::string group;                   ///< empty for a parameter of the world
+  const schema::Parameter* parameter;  ///< whose value is at fault
+  std::string word = {};               ///< of a list
+  std::string message, help;
+};
 
 }  // namespace cdb::analysis

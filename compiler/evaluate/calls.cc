@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "compiler/analysis/model.h"
+#include "compiler/analysis/soft.h"
 #include "compiler/evaluate/convert.h"
 #include "compiler/evaluate/distributions.h"
 #include "compiler/evaluate/evaluate.h"
@@ -52,6 +55,23 @@ std::optional<bool> HasPoints(const Expr& expr, const schema::ParametrisedWord& 
   return AsVector(*first) != nullptr;
 }
 
+/// Adds the number of nodes to a call of soft( ), unless its mesh cannot be read, which is reported
+/// with the scene. False if another number is written.
+bool StateNodes(const Expr& expr, schema::Call& call, Evaluator& evaluator) {
+  const Value written = std::exchange(call.arguments.back(), schema::Word{"any"});
+  analysis::ModelFault why;
+  const auto model = evaluator.scenario().ModelAt(call, why);
+  if (!model || model->tetrahedra == nullptr) return true;
+  const std::uint64_t nodes = model->tetrahedra->NodeCount();
+  call.arguments.back() = schema::Number(nodes);
+  if (AsNumber(written) == nullptr || AsNumber(written)->AsCount() == nodes) return true;
+  evaluator.Error(
+      scenario::kContradiction, expr.span,
+      fmt::format("its tetrahedra have {} nodes, not {}", nodes, AsNumber(written)->AsCount()),
+      "remove the number; a plan states it");
+  return false;
+}
+
 /// Evaluates a word with its arguments.
 std::optional<Value> EvaluateWord(const Expr& expr, const schema::ParametrisedWord& info,
                                   const scenario::Scope& scope, Evaluator& evaluator) {
@@ -63,6 +83,7 @@ std::optional<Value> EvaluateWord(const Expr& expr, const schema::ParametrisedWo
   if (schema::NamesFile(info) &&
       !names::ReadNamedFile(evaluator.scenario(), *call, evaluator.diagnostics()))
     return std::nullopt;
+  if (info.name == schema::kSoftCall && !StateNodes(expr, *call, evaluator)) return std::nullopt;
   return *std::move(call);
 }
 

@@ -462,7 +462,7 @@ double ShorterStepSquared(const SceneFacts& scene, double value, double threshol
 
 std::vector<LintNumber> LintScene(const plan::Scene& scene, const FactReaders& read) {
   if (analysis::HasSoft(scene)) {  // the other numbers are of rigid bodies
-    const auto stiff = StiffSoftSpring(scene);
+    const auto stiff = StiffSoftSpring(scene, read.model);
     return stiff ? std::vector{*stiff} : std::vector<LintNumber>();
   }
   const SceneFacts facts = FactsOf(scene, read);

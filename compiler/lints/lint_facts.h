@@ -172,7 +172,8 @@ Formula TumblingTree;
 Formula StiffSpring;
 
 // Soft bodies, in a scene that has nothing else that moves: soft_lints.cc.
-std::optional<LintNumber> StiffSoftSpring(const plan::Scene& scene);
+std::optional<LintNumber> StiffSoftSpring(const plan::Scene& scene,
+                                          const analysis::ReadModel& read);
 
 // Contacts: contact_lints.cc.
 Formula LongStep;

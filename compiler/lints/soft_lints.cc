@@ -33,7 +33,9 @@ struct Vibration {
         is_pinned(mesh.NodeCount(), 0) {
     for (std::size_t i = 0; i < mesh.NodeCount(); ++i)
       places.push_back(mesh.PlaceOf(i).cwiseProduct(sides));
-    for (const std::uint32_t node : analysis::PinnedNodes(group, mesh)) is_pinned[node] = 1;
+    for (const auto& nodes :
+         {analysis::PinnedNodes(group, mesh), analysis::DrivenNodes(group, mesh)})
+      for (const std::uint32_t node : nodes) is_pinned[node] = 1;
   }
 };
 
@@ -87,11 +89,40 @@ double HighestOfSprings(const plan::Group& group) {
                           });
 }
 
-/// Of a block of 1 kg, with a Young's modulus of 1 Pa. The highest modes are of the length of a few
-/// cells, so that a part of a large block has the same to 0.5 %, with an odd number of cells where
-/// the block has one: which corners of the mesh are in one tetrahedron only depends on it.
-double HighestOfBlock(const plan::Group& group, double size, double poisson_ratio) {
+/// Of a solid of 1 kg, with a Young's modulus of 1 Pa.
+double HighestOfSolid(const Vibration& of, double poisson_ratio) {
   const analysis::LameConstants lame = analysis::LameConstantsOf(1, poisson_ratio);
+  std::vector<Matrix3d> inverse;
+  std::vector<double> volume;
+  const auto differences = [](const std::array<std::uint32_t, 4>& nodes,
+                              const std::vector<Vector3d>& values) {
+    return analysis::EdgesOf(nodes, [&](std::uint32_t node) { return values[node]; });
+  };
+  for (const auto& nodes : of.mesh.tetrahedra) {
+    const Matrix3d edges = differences(nodes, of.places);
+    volume.push_back(edges.determinant() / 6);
+    inverse.push_back(edges.inverse());
+  }
+  return HighestFrequency(
+      of, [&](const std::vector<Vector3d>& motion, std::vector<Vector3d>& force) {
+        for (std::size_t i = 0; i < volume.size(); ++i) {
+          const auto& nodes = of.mesh.tetrahedra[i];
+          const Matrix3d gradient = differences(nodes, motion) * inverse[i];
+          const Matrix3d stress = lame.mu * (gradient + gradient.transpose()) +
+                                  lame.lambda * gradient.trace() * Matrix3d::Identity();
+          const Matrix3d forces = volume[i] * stress * inverse[i].transpose();
+          for (int k = 0; k < 3; ++k) {
+            force[nodes[static_cast<std::size_t>(k) + 1]] += forces.col(k);
+            force[nodes[0]] -= forces.col(k);
+          }
+        }
+      });
+}
+
+/// The highest modes are of the length of a few cells, so that a part of a large block has the same
+/// to 0.5 %, with an odd number of cells where the block has one: which corners of the mesh are in
+/// one tetrahedron only depends on it.
+double HighestOfBlock(const plan::Group& group, double size, double poisson_ratio) {
   const schema::Call& type = *schema::AsCall(group.settings.Get("type"));
   Vector3d part;
   const auto cells = [&](std::string_view argument, int axis) {
@@ -105,33 +136,8 @@ double HighestOfBlock(const plan::Group& group, double size, double poisson_rati
   const Vector3d aspect = std::get<schema::Ratio>(group.settings.Get("aspect")).parts;
   const Vibration of(group, analysis::BlockOf(columns, rows, layers),
                      size * aspect.cwiseProduct(part));
-  std::vector<Matrix3d> inverse;
-  std::vector<double> volume;
-  const auto differences = [](const std::array<std::uint32_t, 4>& nodes,
-                              const std::vector<Vector3d>& values) {
-    return analysis::EdgesOf(nodes, [&](std::uint32_t node) { return values[node]; });
-  };
-  for (const auto& nodes : of.mesh.tetrahedra) {
-    const Matrix3d edges = differences(nodes, of.places);
-    volume.push_back(edges.determinant() / 6);
-    inverse.push_back(edges.inverse());
-  }
-  const double unit =
-      HighestFrequency(of, [&](const std::vector<Vector3d>& motion, std::vector<Vector3d>& force) {
-        for (std::size_t i = 0; i < volume.size(); ++i) {
-          const auto& nodes = of.mesh.tetrahedra[i];
-          const Matrix3d gradient = differences(nodes, motion) * inverse[i];
-          const Matrix3d stress = lame.mu * (gradient + gradient.transpose()) +
-                                  lame.lambda * gradient.trace() * Matrix3d::Identity();
-          const Matrix3d forces = volume[i] * stress * inverse[i].transpose();
-          for (int k = 0; k < 3; ++k) {
-            force[nodes[static_cast<std::size_t>(k) + 1]] += forces.col(k);
-            force[nodes[0]] -= forces.col(k);
-          }
-        }
-      });
   // The part has its part of the mass.
-  return unit / std::sqrt(part.prod());
+  return HighestOfSolid(of, poisson_ratio) / std::sqrt(part.prod());
 }
 
 /// What makes the vibrations of a group: for the mode of the angular frequency w, damped by d w,
@@ -140,7 +146,25 @@ struct Vibrating {
   double unit, stiffness, damping;
 };
 
-std::optional<Vibrating> VibratingOf(const plan::Group& group) {
+/// Of a solid of 1 kg, with a Young's modulus of 1 Pa; nullopt if its sides or its mesh are
+/// unknown.
+std::optional<double> HighestUnitOf(const plan::Group& group, double poisson_ratio,
+                                    const analysis::ReadModel& read) {
+  const schema::Value &type = group.settings.Get("type"), &written = group.settings.Get("size");
+  const schema::Number* number = schema::AsNumber(written);
+  const double size = number != nullptr ? number->AsReal() : 0;
+  if (!analysis::IsOfFile(type))
+    return number != nullptr ? std::optional(HighestOfBlock(group, size, poisson_ratio))
+                             : std::nullopt;
+  analysis::ModelFault why;
+  const auto model = read ? read(type, why) : std::nullopt;
+  if (!model || model->tetrahedra == nullptr) return std::nullopt;
+  const Vector3d aspect = std::get<schema::Ratio>(group.settings.Get("aspect")).parts;
+  return HighestOfSolid(Vibration(group, *model->tetrahedra, model->SidesOf(size, aspect)),
+                        poisson_ratio);
+}
+
+std::optional<Vibrating> VibratingOf(const plan::Group& group, const analysis::ReadModel& read) {
   const auto number = [&](schema::GroupParameter parameter) {
     return schema::AsNumber(group.settings.Get(parameter))->AsReal();
   };
@@ -149,22 +173,24 @@ std::optional<Vibrating> VibratingOf(const plan::Group& group) {
       return schema::AsNumber(group.settings.Get(parameter)) != nullptr;
     });
   };
-  if (!analysis::HasBlocks(group)) {
+  if (!analysis::HasSoftSolids(group)) {
     if (!are_constant({"soft.stiffness", "soft.damping"})) return std::nullopt;
     return Vibrating{HighestOfSprings(group), number("soft.stiffness"), number("soft.damping")};
   }
-  if (!are_constant({"soft.young_modulus", "soft.poisson_ratio", "soft.stiffness_damping", "size"}))
+  if (!are_constant({"soft.young_modulus", "soft.poisson_ratio", "soft.stiffness_damping"}))
     return std::nullopt;
+  const auto unit = HighestUnitOf(group, number("soft.poisson_ratio"), read);
+  if (!unit) return std::nullopt;
   const double modulus = number("soft.young_modulus");
-  return Vibrating{HighestOfBlock(group, number("size"), number("soft.poisson_ratio")), modulus,
-                   modulus * number("soft.stiffness_damping")};
+  return Vibrating{*unit, modulus, modulus * number("soft.stiffness_damping")};
 }
 
 }  // namespace
 
 /// The springs and materials are explicit, and their damping implicit: a mode of the angular
 /// frequency w explodes if w timestep exceeds 2 sqrt(1 + damping w^2 timestep / (2 stiffness)).
-std::optional<LintNumber> StiffSoftSpring(const plan::Scene& scene) {
+std::optional<LintNumber> StiffSoftSpring(const plan::Scene& scene,
+                                          const analysis::ReadModel& read) {
   constexpr double kLimit = 2, kFrom = 0.9;
   if (scene.world.WordOr("soft_world") != "springs") return std::nullopt;
   const double timestep = scene.world.Real("timestep");
@@ -174,7 +200,7 @@ std::optional<LintNumber> StiffSoftSpring(const plan::Scene& scene) {
     if (group.settings.Count("quantity") == 0 || !analysis::IsSoft(group.settings.Get("type")))
       continue;
     const schema::Number* mass = schema::AsNumber(group.settings.Get("mass"));
-    const auto vibrating = VibratingOf(group);
+    const auto vibrating = VibratingOf(group, read);
     if (mass == nullptr || !vibrating) continue;
     const double k = vibrating->stiffness, c = vibrating->damping;
     const auto value_at = [&](double step) {

@@ -284,7 +284,8 @@ std::optional<analysis::PoseFacts> Scenario::PosesAt(const schema::Call& poses,
 
 std::optional<analysis::ModelFacts> Scenario::ModelAt(const schema::Value& type,
                                                       analysis::ModelFault& why) const {
-  const auto [model, is_new] = models_.try_emplace(schema::ToText(type));
+  // Without the number of nodes that a plan states.
+  const auto [model, is_new] = models_.try_emplace(schema::LabelOf(type));
   if (is_new && read_model_) model->second.facts = read_model_(type, model->second.why);
   why = model->second.why;
   return model->second.facts;

@@ -19,6 +19,7 @@ constexpr Domain kCountFromOne = ParameterTable::kCountFromOne;
 /// Ropes and cloths take about 300 bytes for each node.
 constexpr Domain kCells = {.min = 1, .max = 10000};
 constexpr Domain kBlockCells = {.min = 1, .max = 1000};
+constexpr Domain kSoftCells = {.min = 2, .max = 200};
 constexpr Domain kHulls = {.min = 1, .max = 1024};
 constexpr Domain kFraction = {.min = 0, .max = 1};
 
@@ -170,6 +171,11 @@ constexpr Parameter kBlock[] = {
     Argument("columns", kCount, kBlockCells, "", "cells along x, each of five tetrahedra"),
     Argument("rows", kCount, kBlockCells, "", "cells along z"),
     Argument("layers", kCount, kBlockCells, "", "cells along y")};
+constexpr Parameter kSoft[] = {
+    kModelFile, kModelHash, kModelUnit,
+    Argument("cells", kCount, kSoftCells, "", "of the lattice, along the longest side of the mesh"),
+    Argument("error", kReal, kPositive, "", "admissible volume of the tetrahedra outside the mesh, and of the mesh outside of them, relative to that of the mesh; fit is 0.1", {.first_default = "fit", .words = "fit", .omitted_at_default = true}),
+    Argument("nodes", kCount, kCountFromOne, "", "of its tetrahedra, which a plan states; another number is refused", {.first_default = "any", .words = "any"})};
 constexpr Parameter kPartOfList = Argument("part", kWord, kAny, "", "a part( )", {.calls = "part"});
 constexpr Parameter kTraceFile[] = {
     Argument("file", kText, kAny, "", "written by `cdb trace`, relative to the .cdb file"),
@@ -221,6 +227,7 @@ constexpr ParametrisedWord kCalls[] = {
     {"rope", "a soft body: a chain of nodes along x, as long as its size, and as thick as two margins", kRope},
     {"cloth", "a soft body: a sheet of triangles over x and z, as thick as two margins", kCloth},
     {"block", "a soft body: a solid of tetrahedra, with the sides of a cuboid and a margin around it", kBlock},
+    {"soft", "a soft body: your own closed mesh, as a solid of tetrahedra of about the same size, and a margin around it", kSoft},
     {"part", "of a compound: a closed form, or the hulls of a mesh", kPart},
     {"file", "a recorded run; equivalent to its name in quotes", kTraceFile},
     {"same", "one value for all sides of an object", kSame},

@@ -61,6 +61,8 @@ inline constexpr std::string_view kPathCall = "path";
 inline constexpr std::string_view kListCall = "list";
 /// The values over time that a file lists.
 inline constexpr std::string_view kTableCall = "table";
+/// The type of a soft body that is made of a mesh.
+inline constexpr std::string_view kSoftCall = "soft";
 /// The layout at the objects of another group.
 inline constexpr std::string_view kRelativeCall = "relative_to";
 /// A part of a list, as the parameter that its scope has.

@@ -65,10 +65,12 @@ std::string CallText(const Call& call) {
   return text.empty() ? call.name : fmt::format("{}({})", call.name, text);
 }
 
-/// Users do not write hashes, and an axis does not need them to distinguish its values.
+/// Users do not write hashes, nor numbers of nodes, and an axis does not need them to distinguish
+/// its values.
 Call WithoutHash(Call call) {
   const ParametrisedWord& info = *FindParametrisedWord(call.name);
   if (NamesFile(info)) call.arguments[1] = DefaultOf(info.arguments[1]);
+  if (call.name == kSoftCall) call.arguments.back() = DefaultOf(info.arguments.back());
   for (Value& argument : call.arguments)
     if (const Call* inner = AsCall(argument)) argument = WithoutHash(*inner);
   return call;

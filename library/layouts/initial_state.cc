@@ -86,7 +86,7 @@ objects::Solid MakeSolid(objects::SolidFactory& solids, const schema::Value& typ
 /// The box of the nodes of a soft body with its margin around them. m.
 void AddThickness(const schema::Value& type, double margin, objects::Solid& solid) {
   const std::string_view kind = schema::AsCall(type)->name;
-  const Vector3d nodes(solid.sides.x(), kind == analysis::kBlockCall ? solid.sides.y() : 0,
+  const Vector3d nodes(solid.sides.x(), analysis::IsSoftSolid(type) ? solid.sides.y() : 0,
                        kind == analysis::kRopeCall ? 0 : solid.sides.z());
   solid.sides = nodes + Vector3d::Constant(2 * margin);
 }

@@ -24,6 +24,7 @@
 #include "library/objects/formula_ground.h"
 #include "library/objects/models.h"
 #include "library/objects/parts.h"
+#include "library/objects/soft_form.h"
 #include "library/objects/surface.h"
 #include "library/scene_error.h"
 
@@ -138,18 +139,8 @@ ConvexDecomposition FormOfHeights(const std::string& name, const schema::Call& c
 
 /// The arguments that do not change the pieces.
 ConvexDecomposition WithFrame(ConvexDecomposition form, const schema::Call& call) {
-  struct Unit {
-    std::string_view name;
-    double metres;
-  };
-  constexpr Unit kUnits[] = {{"m", 1}, {"cm", 0.01}, {"mm", 0.001}, {"in", 0.0254}};
-  const auto word = [&](const char* argument) -> std::string_view {
-    return std::get<schema::Word>(ArgumentOf(call, argument)).text;
-  };
-  const auto* unit = std::ranges::find(kUnits, word("unit"), &Unit::name);
-  CDB_CHECK(unit != std::end(kUnits));
-  form.unit = unit->metres;
-  const std::string_view origin = word("origin");
+  form.unit = MetresOfFile(call);
+  const std::string_view origin = std::get<schema::Word>(ArgumentOf(call, "origin")).text;
   form.origin = origin == "file"  ? form.file_origin
                 : origin == "box" ? Vector3d::Zero()
                                   : form.centre;
@@ -266,6 +257,18 @@ Form FormOf(const schema::Value& type, const Reading& reading = {}) {
 
 }  // namespace
 
+double MetresOfFile(const schema::Call& type) {
+  struct Unit {
+    std::string_view name;
+    double metres;
+  };
+  constexpr Unit kUnits[] = {{"m", 1}, {"cm", 0.01}, {"mm", 0.001}, {"in", 0.0254}};
+  const auto* unit =
+      std::ranges::find(kUnits, std::get<schema::Word>(ArgumentOf(type, "unit")).text, &Unit::name);
+  CDB_CHECK(unit != std::end(kUnits));
+  return unit->metres;
+}
+
 bool IsDecomposed(const schema::Value& type) {
   if (const schema::Call* call = schema::AsCall(type)) {
     if (call->name != kCompoundWord) return !analysis::IsSurface(*call) && !analysis::IsSoft(type);
@@ -297,6 +300,8 @@ Solid SolidFactory::Make(const schema::Value& type, const Vector3d& size, const 
   if (form == nullptr) {
     // A soft body has the box of its nodes; its margin adds to it.
     solid.shape = analysis::IsSoft(type) ? Shape::kCuboid : ShapeOf(name);
+    if (analysis::IsOfFile(type))
+      solid.sides = SoftFormOf(*schema::AsCall(type))->SidesOf(size.maxCoeff(), aspect);
     if (solid.shape == Shape::kSuperellipsoid) solid.exponents = exponents;
     return solid;
   }
@@ -381,6 +386,18 @@ analysis::ModelFault MissingFile(const schema::Value& type) {
   return {};
 }
 
+analysis::ModelFacts FactsOf(const std::shared_ptr<const SoftForm>& form,
+                             const schema::Call& type) {
+  analysis::ModelFacts facts;
+  facts.has_size = true;
+  facts.sides = form->native_side * form->proportions;
+  facts.tetrahedra = {form, &form->mesh};
+  facts.text = fmt::format("soft(\"{}\"): {}; {:.4g} x {:.4g} x {:.4g} m at `size native`",
+                           std::get<schema::Text>(ArgumentOf(type, "file")).text, TextOf(*form),
+                           facts.sides.x(), facts.sides.y(), facts.sides.z());
+  return facts;
+}
+
 }  // namespace
 
 std::optional<analysis::ModelFacts> ReadModel(const schema::Value& type, const Reading& reading,
@@ -391,6 +408,7 @@ std::optional<analysis::ModelFacts> ReadModel(const schema::Value& type, const R
   analysis::ModelFacts facts;
   std::shared_ptr<const ConvexDecomposition> form;
   try {
+    if (analysis::IsOfFile(type)) return FactsOf(SoftFormOf(*call), *call);
     form = FormOf(type, reading);
   } catch (const library::SceneError& error) {
     why = {error.cause(), error.remedy()};
@@ -425,57 +443,6 @@ constexpr std::string_view kKind = "form";
 /// and closing of files, mass properties, the torus, and the storage format.
 constexpr int kVersion = 6;
 
-/// Appends the values passed to it.
-class Writer {
- public:
-  void Word(std::uint64_t word) {
-    for (int i = 0; i < 8; ++i) bytes_ += static_cast<char>(word >> 8 * i & 0xff);
-  }
-  void Real(double real) { Word(std::bit_cast<std::uint64_t>(real)); }
-  void Size(const auto& items) { Word(items.size()); }
-  void Index(std::uint32_t index) { Word(index); }
-  void Character(char c) { bytes_ += c; }
-  std::string Take() { return std::move(bytes_); }
-
- private:
-  std::string bytes_;
-};
-
-/// Restores the values that Writer stored.
-class Reader {
- public:
-  explicit Reader(std::string_view bytes) : bytes_(bytes) {}
-
-  void Real(double& real) { real = std::bit_cast<double>(Next()); }
-  void Size(auto& items) {
-    // The data are those written; the limit guards against our own errors.
-    const std::uint64_t size = Next();
-    is_good_ = is_good_ && size <= bytes_.size();
-    items.resize(is_good_ ? size : 0);
-  }
-  void Index(std::uint32_t& index) { index = static_cast<std::uint32_t>(Next()); }
-  void Character(char& c) {
-    is_good_ = is_good_ && !bytes_.empty();
-    if (!is_good_) return;
-    c = bytes_[0];
-    bytes_.remove_prefix(1);
-  }
-  bool IsDone() const { return is_good_ && bytes_.empty(); }
-
- private:
-  std::uint64_t Next() {
-    is_good_ = is_good_ && bytes_.size() >= 8;
-    if (!is_good_) return 0;
-    std::uint64_t word = 0;
-    for (std::size_t i = 8; i-- > 0;) word = word << 8 | static_cast<unsigned char>(bytes_[i]);
-    bytes_.remove_prefix(8);
-    return word;
-  }
-
-  std::string_view bytes_;
-  bool is_good_ = true;
-};
-
 /// Visits everything in a form except its name, in storage order.
 void Visit(auto& archive, ConvexDecomposition& form) {
   const auto reals = [&](auto& matrix) {
@@ -507,7 +474,7 @@ void Visit(auto& archive, ConvexDecomposition& form) {
 }
 
 std::string ToBytes(ConvexDecomposition form) {
-  Writer writer;
+  library::ByteWriter writer;
   Visit(writer, form);
   return writer.Take();
 }
@@ -520,7 +487,7 @@ bool HasFacesOfItsVertices(const ConvexPiece& piece) {
 }
 
 std::optional<ConvexDecomposition> FromBytes(std::string_view bytes) {
-  Reader reader(bytes);
+  library::ByteReader reader(bytes);
   ConvexDecomposition form;
   Visit(reader, form);
   const bool is_whole = reader.IsDone() && !form.pieces.empty() &&

@@ -41,6 +41,9 @@ class SolidFactory {
   std::map<CompoundKey, std::shared_ptr<const Compound>> compounds_;
 };
 
+/// m: the unit of the coordinates in the file of a call with the argument `unit`.
+double MetresOfFile(const schema::Call& type);
+
 /// True for a constant type whose pieces are made of a mesh, which may take seconds; a surface is
 /// only read.
 bool IsDecomposed(const schema::Value& type);

@@ -179,7 +179,7 @@ class Maker {
              call == schema::kHeightCall || call == schema::kImplicitCall ||
              call == analysis::kSurfaceWord ||  // for fixed objects only
              call == analysis::kRopeCall || call == analysis::kClothCall ||
-             call == analysis::kBlockCall;  // soft_test.cc has them
+             call == analysis::kBlockCall || call == schema::kSoftCall;  // soft_test.cc has them
     });
     return calls;
   }

@@ -19,6 +19,7 @@
 #include "compiler/analysis/reference.h"
 #include "library/layouts/number_range.h"
 #include "library/layouts/soft_nodes.h"
+#include "library/objects/soft_form.h"
 #include "runtime/engine/detection/broad_phase.h"
 #include "runtime/engine/world/conversions.h"
 #include "runtime/engine/world/timed_world.h"
@@ -177,7 +178,7 @@ class SpringWorld final : public BulletSoftWorld {
   btDeformableLagrangianForce& ForceOf(const plan::Group& group) {
     auto& force = forces_[&group];
     if (force == nullptr) {
-      force = analysis::HasBlocks(group)
+      force = analysis::HasSoftSolids(group)
                   ? MakeForce(MaterialOf(group))
                   : std::make_unique<btDeformableMassSpringForce>(
                         static_cast<btScalar>(group.settings.Real("soft.stiffness")),
@@ -195,7 +196,7 @@ class SpringWorld final : public BulletSoftWorld {
   std::map<const plan::Group*, std::unique_ptr<btDeformableLagrangianForce>> forces_;
 };
 
-/// Gives the body of a block its tetrahedra, and their volumes.
+/// Gives the body of a solid its tetrahedra, and their volumes.
 void AddElements(const plan::Group& group, const std::vector<Vector3d>& places, SoftObject& one) {
   btSoftBody& body = *one.body;
   one.material = MaterialOf(group);
@@ -217,12 +218,32 @@ void AddElements(const plan::Group& group, const std::vector<Vector3d>& places, 
   body.initializeDmInverse();
 }
 
+/// `places`: of all nodes, relative to `position`.
+Drive DriveOf(const plan::Group& group, const analysis::SoftMesh& mesh, const Vector3d& position,
+              const std::vector<Vector3d>& places) {
+  Drive drive;
+  drive.nodes = analysis::DrivenNodes(group, mesh);
+  if (drive.nodes.empty()) return drive;
+  Vector3d mean = Vector3d::Zero();
+  for (const std::uint32_t node : drive.nodes)
+    mean += places[node] / static_cast<double>(drive.nodes.size());
+  for (const std::uint32_t node : drive.nodes) drive.from.push_back(places[node] - mean);
+  drive.centre = position + mean;
+  drive.linear_velocity = *schema::AsVector(group.settings.Get("soft.drive.linear_velocity"));
+  drive.angular_velocity = *schema::AsVector(group.settings.Get("soft.drive.angular_velocity"));
+  return drive;
+}
+
 /// m: where sweep and prune counts its steps from.
 double Reach(const plan::Scene& scene, const layouts::InitialState& state) {
   const double half = scene.world.Real("world.side") / 2;
   double fastest = 0;
   for (const ObjectState& object : state.objects)
     fastest = std::max(fastest, object.linear_velocity.norm());
+  for (const plan::Group& group : scene.groups)
+    if (analysis::HasDrivenPins(group))
+      fastest = std::max(
+          fastest, schema::AsVector(group.settings.Get("soft.drive.linear_velocity"))->norm());
   const double seconds =
       scene.world.Real("timestep") *
       static_cast<double>(scene.world.Count("cycles") + scene.world.Count("warmup"));
@@ -233,6 +254,10 @@ double Reach(const plan::Scene& scene, const layouts::InitialState& state) {
 }
 
 }  // namespace
+
+Vector3d Drive::PlaceAt(std::size_t i, double time) const {
+  return centre + time * linear_velocity + layouts::TurnAbout(time * angular_velocity) * from[i];
+}
 
 void PhaseClock::Begin(Phase phase) {
   if (is_on_) begin_[protocol::IndexOf(phase)] = world::Now();
@@ -308,6 +333,7 @@ SoftWorld::~SoftWorld() {
 void SoftWorld::Step() {
   btDiscreteDynamicsWorld& world = world_->world();
   kinematics_.BeforeStep(steps_);
+  for (const SoftObject& one : bodies_) MoveDriven(one);
   clock_.Reset();
   clock_.Begin(Phase::kStep);
   world.stepSimulation(timestep_, 1, timestep_);
@@ -325,6 +351,16 @@ std::size_t SoftWorld::ContactCount() const {
                                  body.m_nodeRigidContacts.size() + body.m_faceNodeContacts.size());
   }
   return count;
+}
+
+void SoftWorld::MoveDriven(const SoftObject& one) const {
+  const double timestep = scene_.world.Real("timestep"),
+               time = static_cast<double>(steps_ + 1) * timestep;
+  for (std::size_t i = 0; i < one.drive.nodes.size(); ++i) {
+    btSoftBody::Node& node = one.body->m_nodes[static_cast<int>(one.drive.nodes[i])];
+    const Vector3d way = one.drive.PlaceAt(i, time) - world::ToEigen(node.m_x);
+    node.m_v = ToBullet(way / static_cast<double>(timestep_));
+  }
 }
 
 void SoftWorld::MakeRigid(const ObjectState& object, std::size_t index) {
@@ -354,13 +390,20 @@ void SoftWorld::MakeWall(int wall) {
 
 void SoftWorld::MakeSoft(const ObjectState& object, std::size_t index) {
   const plan::Group& group = scene_.groups[object.group];
-  SoftObject one{index, nullptr, analysis::MeshOf(group.settings.Get("type")), {}, {}, 0};
+  SoftObject one{index, nullptr, objects::SoftMeshOf(group.settings.Get("type")), {}, {}, 0};
   const std::size_t count = one.mesh.NodeCount();
   const double margin = object.numbers["margin"];
   one.masses = analysis::MassShares(one.mesh);
   for (double& mass : one.masses) mass *= object.mass;
-  for (const std::uint32_t node : analysis::PinnedNodes(group, one.mesh)) one.masses[node] = 0;
   const std::vector<Vector3d> places = layouts::NodesAbout(scene_, object);
+  // That of a mesh need not be in the middle of its box.
+  Vector3d centre = Vector3d::Zero();
+  if (!one.mesh.places.empty())
+    for (std::size_t node = 0; node < count; ++node)
+      centre += one.masses[node] / object.mass * places[node];
+  for (const std::uint32_t node : analysis::PinnedNodes(group, one.mesh)) one.masses[node] = 0;
+  one.drive = DriveOf(group, one.mesh, object.pose.position, places);
+  for (const std::uint32_t node : one.drive.nodes) one.masses[node] = 0;
   btAlignedObjectArray<btVector3> points;
   btAlignedObjectArray<btScalar> masses;
   for (std::size_t node = 0; node < count; ++node) {
@@ -385,7 +428,7 @@ void SoftWorld::MakeSoft(const ObjectState& object, std::size_t index) {
   for (std::size_t node = 0; node < count; ++node)
     if (one.masses[node] > 0)
       body.m_nodes[static_cast<int>(node)].m_v =
-          ToBullet(object.linear_velocity + object.angular_velocity.cross(places[node]));
+          ToBullet(object.linear_velocity + object.angular_velocity.cross(places[node] - centre));
   body.setActivationState(DISABLE_DEACTIVATION);
   body.setUserIndex(static_cast<int>(index));
   if (has_springs_ && one.elements.empty()) one.stiffness = group.settings.Real("soft.stiffness");

@@ -64,22 +64,35 @@ class BulletSoftWorld {
   virtual void Add(btSoftBody& body, const plan::Group& group) = 0;
 };
 
+/// The nodes of a body that move as a rigid body, whatever pulls at them.
+struct Drive {
+  std::vector<std::uint32_t> nodes;
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< m: their mean at the start
+  std::vector<Eigen::Vector3d> from;                 ///< m: of each, from the centre, at the start
+  Eigen::Vector3d linear_velocity = Eigen::Vector3d::Zero();   ///< m/s
+  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< rad/s
+  /// m: of the i-th of the nodes, `time` s after the start.
+  Eigen::Vector3d PlaceAt(std::size_t i, double time) const;
+};
+
 /// A soft body and what its mesh was at the start.
 struct SoftObject {
   std::size_t object;  ///< index in the initial state
   std::unique_ptr<btSoftBody> body;
   analysis::SoftMesh mesh;
   std::vector<double> rest;    ///< m: length of each link
-  std::vector<double> masses;  ///< kg: of each node, 0 if it is pinned
-  double stiffness = 0;        ///< N/m: of each link; 0 of a block and in the world of positions
-  Material material = {};      ///< of a block
+  std::vector<double> masses;  ///< kg: of each node, 0 if it is pinned or driven
+  double stiffness = 0;        ///< N/m: of each link; 0 of a solid and in the world of positions
+  Material material = {};      ///< of a solid
   std::vector<Element> elements = {};  ///< its tetrahedra
+  Drive drive = {};
 };
 
 /// Rigid objects are convex, and never sleep; kinematic ones follow their velocities or path.
 /// Nodes share the mass of their body: those of a rope, that of the halves of its links; those of a
-/// cloth, that of thirds of their triangles; those of a block, that of quarters of their
-/// tetrahedra. Pinned nodes keep their place, and their mass is that of the pin. Not thread-safe.
+/// cloth, that of thirds of their triangles; those of a solid, that of quarters of their
+/// tetrahedra. Pinned nodes keep their place, driven ones follow their motion, and their mass is
+/// that of the pin. Not thread-safe.
 class SoftWorld {
  public:
   /// Throws library::SceneError for values that the precision cannot represent.
@@ -108,6 +121,7 @@ class SoftWorld {
   bool has_springs() const { return has_springs_; }
 
  private:
+  void MoveDriven(const SoftObject& one) const;
   void MakeRigid(const layouts::ObjectState& object, std::size_t index);
   void MakeWall(int wall);
   void MakeSoft(const layouts::ObjectState& object, std::size_t index);

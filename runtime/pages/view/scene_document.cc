@@ -11,6 +11,7 @@
 
 #include "compiler/analysis/configurations.h"
 #include "compiler/analysis/soft.h"
+#include "library/objects/soft_form.h"
 
 namespace cdb::view {
 namespace {
@@ -78,7 +79,7 @@ void AddSoft(const SceneRecording& recording, Json& run) {
   for (std::size_t i = 0; i < recording.ObjectCount(); ++i) {
     const plan::Group& group = recording.scene.groups[recording.state.objects[i].group];
     if (!analysis::IsSoft(group)) continue;
-    const analysis::SoftMesh mesh = analysis::MeshOf(group.settings.Get("type"));
+    const analysis::SoftMesh mesh = objects::SoftMeshOf(group.settings.Get("type"));
     std::vector<std::int32_t> triangles, links;
     for (const auto& triangle : mesh.triangles)
       triangles.insert(triangles.end(), triangle.begin(), triangle.end());
