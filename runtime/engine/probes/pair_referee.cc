@@ -192,6 +192,10 @@ ExactOverlap* Add(const BodyPair& bodies, double size, const exact::SignedDistan
 
 void Compute(const Candidate& of, ExactContacts& contacts) {
   const exact::SignedDistance distance = exact::DistanceOf(of.a, of.pose_a, of.b, of.pose_b, 0);
+  if (distance.is_inside) {
+    contacts.overlaps.push_back({of.bodies, 0, Vector3d::UnitY(), false, of.size, true});
+    return;
+  }
   if (ExactOverlap* overlap = Add(of.bodies, of.size, distance, contacts))
     overlap->has_one_normal = exact::HasOneNormal(of.a, of.pose_a, of.b, of.pose_b, distance, kTie);
 }
@@ -309,6 +313,7 @@ struct Found {
 };
 
 void AddError(const ExactOverlap& exact, const Found& found, NarrowPhaseErrors& errors) {
+  if (exact.is_inside) return;
   const double depth = std::fabs(found.depth - exact.depth) / exact.size;
   errors.depth_sum += depth;
   errors.depth_max = std::max(errors.depth_max, depth);

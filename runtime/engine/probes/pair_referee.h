@@ -33,6 +33,8 @@ struct ExactOverlap {
   Eigen::Vector3d normal = Eigen::Vector3d::UnitY();  ///< from the second body to the first
   bool has_one_normal = true;  ///< false: another normal has about the same depth
   double size = 0;             ///< m, of the smaller object; walls have none
+  /// One is in solid cells and meets none of their triangles: neither depth nor normal is known.
+  bool is_inside = false;
 };
 
 /// In sizes. A shallower overlap is lost in rounding; no detector has to find it.
