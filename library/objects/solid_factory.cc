@@ -314,8 +314,8 @@ std::string TextOf(const ConvexDecomposition& form) {
   if (form.voxels) {
     const auto& [columns, rows, layers] = form.voxels->counts;
     return fmt::format("{} of {} x {} x {} cells of {:g} m are solid, {}",
-                       form.voxels->SolidCount(), columns, rows, layers,
-                       form.voxels->cell, count(form.PieceCount(), "triangle"));
+                       form.voxels->SolidCount(), columns, rows, layers, form.voxels->cell,
+                       count(form.PieceCount(), "triangle"));
   }
   if (form.IsSurface()) return count(form.PieceCount(), "triangle") + left_out;
   std::string text =

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes cave.binvox: a cave of 40 x 20 x 40 cells of 0.1 m, with a rough floor, pillars and a hole in its roof.
+"""Writes cave.binvox: a cave of 40 x 20 x 40 cells of 0.1 m, with a rough floor, pillars, a hole in its roof and an open corner.
 
   make_cave.py cave.binvox
 """
@@ -19,6 +19,8 @@ def is_solid(x, y, z):
     away = right * right + back * back
     floor = 2 + noise(x, z) // 2 + int(away / 90)
     roof = 17 - int(away / 60) + noise(x + 7, z + 3) // 2
+    if x > 19 and z > 19 and y > 6:
+        return False  # a quarter is cut away, to look in
     if y < floor or away > 19 * 19:
         return True
     for at_x, at_z, radius in ((12, 14, 2), (27, 24, 3), (15, 28, 2)):

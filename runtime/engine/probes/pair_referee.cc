@@ -313,7 +313,6 @@ struct Found {
 };
 
 void AddError(const ExactOverlap& exact, const Found& found, NarrowPhaseErrors& errors) {
-  if (exact.is_inside) return;
   const double depth = std::fabs(found.depth - exact.depth) / exact.size;
   errors.depth_sum += depth;
   errors.depth_max = std::max(errors.depth_max, depth);
@@ -375,7 +374,11 @@ NarrowPhaseErrors CompareContacts(world::Engine& engine, const ExactContacts& ex
     errors.unlisted += is_missed && maker == ContactMaker::kNone;
     errors.bullet += maker == ContactMaker::kBullet;
     errors.bullet_missed += is_missed && maker == ContactMaker::kBullet;
-    if (!is_missed) AddError(overlaps[i], founds[i], errors);
+    if (is_missed) continue;
+    if (overlaps[i].is_inside)
+      ++errors.unknown;
+    else
+      AddError(overlaps[i], founds[i], errors);
   }
   return errors;
 }
@@ -397,7 +400,7 @@ void JudgeContacts(world::Engine& engine, const ExactContacts& exact,
   put("bullet_missed_contacts", errors.bullet_missed);
   put("bullet_uncompared_contacts", of_bullet);
   put("false_contacts", errors.false_);
-  const double found = static_cast<double>(exact.overlaps.size()) - errors.missed;
+  const double found = static_cast<double>(exact.overlaps.size()) - errors.missed - errors.unknown;
   if (found > 0) {
     recording.Put("depth_error", cycle, errors.depth_sum / found);
     recording.Put("max_depth_error", cycle, errors.depth_max);

@@ -66,6 +66,7 @@ struct NarrowPhaseErrors {
   double unlisted = 0;  ///< of these, those whose pair the broad phase did not list
   double bullet = 0;    ///< overlaps of pairs whose contacts Bullet makes, not the detector
   double bullet_missed = 0;
+  double unknown = 0;     ///< found overlaps whose depth is not known
   double depth_sum = 0;   ///< sum of |depth - exact| over the other overlaps, in sizes
   double depth_max = 0;   ///< the largest of these
   double normal_sum = 0;  ///< sum of the angles between normals, rad, where the normal is unique

@@ -4,7 +4,6 @@
 #include <BulletCollision/CollisionShapes/btTriangleShape.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -85,49 +84,12 @@ void Drop(const btTransform& surface, btScalar gap, btManifoldPoint& contact) {
       0;
 }
 
-/// Where two solid cells touch along an edge only, four faces meet, and Bullet mixes up their
-/// angles. A body in front of one of them is in an empty cell, whose two faces there are at a right
-/// angle: the edge is concave.
-void CorrectTouchingCells(const objects::Compound& surface, btTriangleInfoMap& edges) {
-  using Eigen::Vector3d;
-  constexpr int kOther = TRI_INFO_V0V1_SWAP_NORMALB, kConvex = TRI_INFO_V0V1_CONVEX;
-  static_assert(TRI_INFO_V1V2_CONVEX == kConvex << 1 && TRI_INFO_V2V0_CONVEX == kConvex << 2);
-  static_assert(TRI_INFO_V1V2_SWAP_NORMALB == kOther << 1 &&
-                TRI_INFO_V2V0_SWAP_NORMALB == kOther << 2);
-  const objects::ConvexDecomposition& form = surface.form();
-  const Vector3d quarter =
-      form.voxels->cell / 4 *
-      surface.sides().cwiseQuotient(form.native_side * form.proportions);  // of a cell, m
-  for (std::size_t triangle = 0; triangle < form.PieceCount(); ++triangle) {
-    const std::array corners = {surface.Corner(triangle, 0), surface.Corner(triangle, 1),
-                                surface.Corner(triangle, 2)};
-    const Vector3d up = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalized();
-    for (std::size_t i = 0; i < 3; ++i) {
-      const Vector3d along = corners[(i + 1) % 3] - corners[i];
-      // A diagonal is the edge of two triangles in one plane.
-      if (along.cwiseAbs().maxCoeff() < 0.9 * along.norm()) continue;
-      const Vector3d inward = up.cross(along), edge = corners[i] + along / 2;
-      const Vector3d outward = -quarter.cwiseProduct(inward.normalized()),
-                     height = quarter.cwiseProduct(up);
-      if (surface.IsInCells(edge + outward - height) || !surface.IsInCells(edge + outward + height))
-        continue;
-      btTriangleInfo* info = edges.find(btHashInt(static_cast<int>(triangle)));
-      if (info == nullptr) continue;
-      info->m_flags &= ~((kConvex | kOther) << i);
-      (i == 0   ? info->m_edgeV0V1Angle
-       : i == 1 ? info->m_edgeV1V2Angle
-                : info->m_edgeV2V0Angle) = SIMD_HALF_PI;
-    }
-  }
-}
-
 }  // namespace
 
 void FindEdges(const objects::Compound& surface, btBvhTriangleMeshShape& shape,
                btTriangleInfoMap& edges) {
   SetLimits(surface, edges);
   btGenerateInternalEdgeInfo(&shape, &edges);
-  if (surface.form().voxels != nullptr) CorrectTouchingCells(surface, edges);
 }
 
 void FindEdges(const objects::Compound& surface, NumberedHeights& shape, btTriangleInfoMap& edges) {

@@ -154,13 +154,13 @@ TEST(Voxels, ThatAreDamagedAreRefused) {
             "a.pcd:11: binary_compressed data are not read; convert it: "
             "`pcl_convert_pcd_ascii_binary IN.pcd OUT.pcd 1`");
   EXPECT_EQ(Refused(binary.substr(0, binary.size() - 3), "a.pcd"),
-            "a.pcd: it has 365 bytes after its header, but 23 points of 16 bytes are 368; the file "
+            "a.pcd: it has 381 bytes after its header, but 24 points of 16 bytes are 384; the file "
             "is truncated or damaged");
   EXPECT_EQ(Refused(With(pcd, "0.4 0.5\n", "0.4 nan\n"), "a.pcd"),
-            "a.pcd: 1 of 23 points are not finite, the first is point 1; remove them, such as by "
+            "a.pcd: 1 of 24 points are not finite, the first is point 1; remove them, such as by "
             "pcl::removeNaNFromPointCloud");
-  EXPECT_EQ(Refused(With(pcd, "POINTS 23", "POINTS 2147483648"), "a.pcd"),
-            "a.pcd: it has 2147483648 points, but 23 by 1 are 23; save it again by "
+  EXPECT_EQ(Refused(With(pcd, "POINTS 24", "POINTS 2147483648"), "a.pcd"),
+            "a.pcd: it has 2147483648 points, but 24 by 1 are 24; save it again by "
             "pcl::io::savePCDFile, ascii or binary");
   EXPECT_EQ(Refused(With(pcd, "FIELDS x y z", "FIELDS x y w"), "a.pcd"),
             "a.pcd: FIELDS has `z` 0 times, not once; save it again by pcl::io::savePCDFile, ascii "
