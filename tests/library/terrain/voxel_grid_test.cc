@@ -132,7 +132,7 @@ TEST(Voxels, ThatAreDamagedAreRefused) {
   EXPECT_EQ(Refused(binvox.substr(0, binvox.size() - 2), "a.binvox"),
             "a.binvox: its runs have 23 cells, its header 24; the file is truncated or damaged");
   EXPECT_EQ(Refused(With(binvox, "dim 4", "dim 3"), "a.binvox"),
-            "a.binvox: byte 87: its runs have more than 18 cells; the file is damaged, or `dim` is "
+            "a.binvox: byte 79: its runs have more than 18 cells; the file is damaged, or `dim` is "
             "wrong");
   EXPECT_EQ(Refused(With(binvox, "dim 4", "dim 99999999999"), "a.binvox"),
             "a.binvox: it has 99999999999 x 3 x 2 cells; the limit is 268435456; take a part of "
