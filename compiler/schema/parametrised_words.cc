@@ -154,7 +154,7 @@ constexpr Parameter kImplicit[] = {
 constexpr Parameter kVoxels[] = {
     Argument("file", kText, kAny, "", "raw bytes (.raw), .binvox, NumPy (.npy), or a cloud of points (.ply, .pcd), relative to the .cdb file"),
     Argument("sha256", kText, kAny, "", "of the file; a different file is refused", {.first_default = "any", .words = "any"}),
-    Argument("up", kWord, kAny, "", "the vertical axis of the file; z turns its coordinates (x, y, z) to (x, z, -y)", {.words = "y z"}),
+    Argument("up", kWord, kAny, "", "the vertical axis of the file, which must be stated; z turns its coordinates (x, y, z) to (x, z, -y)", {.first_default = "unstated", .words = "unstated y z"}),
     Argument("cell", kReal, kPositive, "m", "the side of a cell; file is that of a .binvox file", {.first_default = "file", .words = "file"}),
     Argument("columns", kCount, kCountFromOne, "", "of a .raw file: cells along its x, whose bytes follow each other", {.first_default = "file", .words = "file", .omitted_at_default = true}),
     Argument("rows", kCount, kCountFromOne, "", "of a .raw file: cells along its y", {.first_default = "file", .words = "file", .omitted_at_default = true}),

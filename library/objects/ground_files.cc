@@ -1,5 +1,7 @@
 #include "library/objects/ground_files.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstdint>
 #include <memory>
@@ -58,6 +60,9 @@ ConvexDecomposition FormOfVoxels(const std::string& name, const schema::Call& ca
     return static_cast<std::uint64_t>(std::min(number->AsReal(), 1e18));
   };
   terrain::VoxelOptions options;
+  if (word("up") == "unstated")
+    throw library::SceneError(fmt::format("{}: it does not say which of its axes is up", file),
+                              "add `up: z`, or `up: y`");
   options.is_z_up = word("up") == "z";
   if (const schema::Number* cell = schema::AsNumber(ArgumentOf(call, "cell")))
     options.cell = cell->AsReal();

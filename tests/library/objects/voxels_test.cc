@@ -22,11 +22,15 @@ using Eigen::Vector3d;
 
 class VoxelGround : public testing::Test {
  protected:
+  std::string NewFile(const std::string& bytes) {
+    const auto file = folder_ / "cells.raw";
+    WriteFile(file, bytes);
+    return file.string();
+  }
   /// Cells of 1 m, with the origin of the file as that of the ground.
   objects::Solid SolidOf(const SolidCells& cells, const Vector3d& size = Vector3d::Zero(),
                          const Vector3d& aspect = Vector3d::Ones()) {
-    const std::string file = (folder_ / "cells.raw").string();
-    WriteFile(file, cells.bytes);
+    const std::string file = NewFile(cells.bytes);
     objects::SolidFactory solids;
     return solids.Make(Layout("voxels", {{"file", schema::Text{file}},
                                          {"sha256", schema::Text{plan::Sha256Hex(cells.bytes)}},
@@ -115,6 +119,20 @@ TEST_F(VoxelGround, IsScaledWithItsInside) {
   EXPECT_EQ(objects::Distance(ball, {Vector3d(3, 1, 2), Eigen::Quaterniond::Identity()}, ground,
                               objects::BodyOf(ground, {})),
             0);
+}
+
+TEST_F(VoxelGround, NeedsToKnowWhichAxisIsUp) {
+  const std::string file = NewFile("1");
+  objects::SolidFactory solids;
+  try {
+    solids.Make(Layout("voxels", {{"file", schema::Text{file}},
+                                  {"sha256", schema::Text{plan::Sha256Hex("1")}}}),
+                Vector3d::Zero(), Vector3d::Ones());
+    ADD_FAILURE() << "no error";
+  } catch (const library::SceneError& error) {
+    EXPECT_EQ(error.cause(), file + ": it does not say which of its axes is up");
+    EXPECT_EQ(error.remedy(), "add `up: z`, or `up: y`");
+  }
 }
 
 TEST_F(VoxelGround, SaysWhatItHas) {
