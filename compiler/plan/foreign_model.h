@@ -1,5 +1,5 @@
-// Files that hold models, heights or voxels, but not in a format that cdb reads: what they are, and the way
-// out.
+// Files that hold models, heights or voxels, but not in a format that cdb reads: what they are, and
+// the way out.
 //
 // Errors: none. Threads: any.
 #pragma once

@@ -55,7 +55,8 @@ class SolidPair {
 };
 
 /// For a surface around solid cells: whether a point of a piece of `other`, whose centre of mass is
-/// at `offset` from that of the surface, is in a cell. If the piece meets no triangle, all of it is.
+/// at `offset` from that of the surface, is in a cell. If the piece meets no triangle, all of it
+/// is.
 bool AnyPieceIsInCells(const Solid& surface, const Eigen::Matrix3d& turn, const Solid& other,
                        const Eigen::Matrix3d& other_turn, const Eigen::Vector3d& offset);
 

@@ -152,6 +152,36 @@ TEST_F(VoxelGround, CountsABodyInsideAsAMissedContact) {
   EXPECT_EQ(VerdictOf(scene, RunHere(scene)), protocol::Verdict::kTunnelled);
 }
 
+TEST_F(VoxelGround, IsFoundByEveryDetectorWhileBodiesFall) {
+  const SolidCells cells = MixedCells(3);
+  std::vector<Vector3d> points;
+  for (int i = 0; i < 24; ++i) points.push_back({0.7 + i % 6 * 1.4, 9, 0.9 + i / 6 * 1.9});
+  plan::Scene scene = GroundScene(cells, points);
+  SetWorld(scene, "cycles", std::uint64_t{150});
+  SetWorld(scene, "record", schema::WordList{"pairs"});
+  SetGroup(scene, "size", 0.6);
+  for (const char* detector : {"dbvt", "auto"})
+    for (const char* narrow : {"bullet", "batch"})
+      for (const char* type : {"sphere", "cuboid"}) {
+        SCOPED_TRACE(fmt::format("{} {} {}", detector, narrow, type));
+        SetWorld(scene, "detector", Word(detector));
+        SetWorld(scene, "narrow_phase", Word(narrow));
+        SetGroup(scene, "type", Word(type));
+        const Recorded run = RunHere(scene);
+        ASSERT_TRUE(run.done()) << run.message();
+        const auto sum = [&](schema::IntSeries series) {
+          const auto counts = run.recording.Ints(series);
+          return std::accumulate(counts.begin(), counts.end(), 0);
+        };
+        EXPECT_GT(sum("exact_contacts"), 300);
+        EXPECT_EQ(sum("missed_pairs"), 0);
+        // Bullet misses some contacts of edges of boxes, by up to 4 mm, in the cycle in which they
+        // begin.
+        EXPECT_LE(sum("missed_contacts"),
+                  type == std::string_view("sphere") ? 0 : sum("exact_contacts") / 100);
+      }
+}
+
 /// A floor of 30 x 6 cells, with its top at y = 1.
 SolidCells Floor() { return {{30, 1, 6}, std::string(180, '\1')}; }
 
@@ -201,11 +231,11 @@ TEST_F(Riding, OverCellsIsAsOverABoxIfEdgesAreSmooth) {
     SCOPED_TRACE(type);
     const Ride cells = RideOver(type, false, "smooth"), box = RideOver(type, true, "");
     EXPECT_NEAR(cells.velocity.x(), 7, 1e-3);
-    EXPECT_NEAR(cells.velocity.x(), box.velocity.x(), 1e-3);
+    EXPECT_NEAR(cells.velocity.x(), box.velocity.x(), kIsSingle ? 5e-3 : 1e-3);
     EXPECT_NEAR(cells.velocity.z(), 0, 1e-3);
     EXPECT_NEAR(cells.velocity.y(), 0, 0.2) << "it sinks by millimetres and comes up again";
     EXPECT_LT(cells.highest, box.highest + 1e-3);
-    EXPECT_GT(cells.lowest, box.lowest - 5e-3);
+    EXPECT_GT(cells.lowest, 1.5 - 1e-2);
     EXPECT_EQ(cells.false_normals, 0);
   }
 }
