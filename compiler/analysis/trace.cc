@@ -54,7 +54,8 @@ bool MayBeSurface(const schema::Value& type) {
 
 bool IsSurface(const schema::Call& type) {
   return type.name == kSurfaceWord || type.name == schema::kHeightsCall ||
-         type.name == schema::kHeightCall || type.name == schema::kImplicitCall;
+         type.name == schema::kHeightCall || type.name == schema::kImplicitCall ||
+         type.name == schema::kVoxelsCall;
 }
 
 bool HasSurface(const plan::GroupSettings& settings) {

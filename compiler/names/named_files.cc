@@ -29,7 +29,20 @@ std::span<const std::string_view> FormatsOf(const schema::Call& call) {
   if (call.name == schema::kListCall || call.name == schema::kTableCall)
     return analysis::kTextFormats;
   if (call.name == schema::kHeightsCall) return plan::kHeightFormats;
+  if (call.name == schema::kVoxelsCall) return plan::kVoxelFormats;
   return plan::kModelFormats;
+}
+
+/// What a file should be, and the function that tells what else it is; null if none does.
+struct Reader {
+  std::string_view what;
+  plan::ForeignModel (*foreign)(std::string_view name, std::string_view bytes);
+};
+Reader ReaderOf(const schema::Call& call, bool is_table) {
+  if (is_table) return {"table", nullptr};
+  if (call.name == schema::kHeightsCall) return {"height field", plan::ForeignHeightsOf};
+  if (call.name == schema::kVoxelsCall) return {"grid of voxels", plan::ForeignVoxelsOf};
+  return {"model", plan::ForeignModelOf};
 }
 
 /// The SHA-256 of the table in `call`, which is at `written` in a scenario; nullopt after a
@@ -81,23 +94,17 @@ bool ReadNamedFile(const scenario::Scenario& scenario, schema::Call& call,
   const bool is_table = call.name == schema::kPosesCall || call.name == schema::kPathCall;
   const std::string extension = LowerCase(fs::path(name).extension().string());
   const auto formats = FormatsOf(call);
-  const bool is_heights = call.name == schema::kHeightsCall;
   const bool is_list = call.name == schema::kListCall || call.name == schema::kTableCall;
-  const bool is_imported = !is_table && !is_list && !is_heights && !formats.empty() &&
+  const Reader reader = ReaderOf(call, is_table || is_list);
+  const bool is_imported = reader.foreign == plan::ForeignModelOf && !formats.empty() &&
                            !plan::ImporterOf(extension).empty();
   if (!formats.empty() && !is_imported && std::ranges::find(formats, extension) == formats.end()) {
-    const auto [kind, remedy] = is_table || is_list ? plan::ForeignModel()
-                                : is_heights ? plan::ForeignHeightsOf(name, std::string_view())
-                                             : plan::ForeignModelOf(name, std::string_view());
+    const auto [kind, remedy] =
+        reader.foreign != nullptr ? reader.foreign(name, std::string_view()) : plan::ForeignModel();
     diagnostics.Report(
         scenario::kOutOfDomain, written,
-        kind.empty() ? fmt::format("'{}' is not a readable {}", name,
-                                   is_table || is_list ? "table"
-                                   : is_heights        ? "height field"
-                                                       : "model")
-                     : fmt::format("'{}' is {}, {}", name, kind,
-                                   is_heights ? "not a height field that cdb reads"
-                                              : "not a model that cdb reads"),
+        kind.empty() ? fmt::format("'{}' is not a readable {}", name, reader.what)
+                     : fmt::format("'{}' is {}, not a {} that cdb reads", name, kind, reader.what),
         kind.empty() ? fmt::format("its name ends in {}", fmt::join(formats, ", ")) : remedy);
     return false;
   }

@@ -23,7 +23,11 @@ constexpr std::string_view kMeshio = "convert it: `meshio convert {0} {1}.ply`";
 constexpr std::string_view kBlender = "open it in Blender and export OBJ, PLY or STL";
 constexpr std::string_view kCad = "export STL from FreeCAD, or `gmsh {0} -2 -o {1}.stl`";
 constexpr std::string_view kRobot = "write `robot NAME {{ file \"{0}\" }}`, outside of objects";
-constexpr std::string_view kPoints = "write its points as lines `v x y z` of an OBJ file, for hull";
+constexpr std::string_view kPdal = "convert it: `pdal translate {0} {1}.ply`";
+constexpr std::string_view kNumpy =
+    "write its dense grid of uint8 by `numpy.save(\"{1}.npy\", grid)`";
+constexpr std::string_view kPoints =
+    "type voxels reads .pcd and .ply; for hull, write its points as lines `v x y z` of an OBJ file";
 constexpr std::string_view kUnpack = "unpack it first";
 constexpr std::string_view kGdal = "convert it: `gdal_translate {0} {1}.tif`";
 constexpr std::string_view kImage = "convert it: `convert {0} -colorspace Gray {1}.png`";
@@ -106,6 +110,24 @@ constexpr Kind kHeights[] = {
     {"", ".las .laz .e57 .pcd .ply", "a cloud of points", kRaster},
     {"", ".obj .stl .off .glb .gltf .dae .fbx", "a model", "type surface reads models"},
 };
+constexpr Kind kVoxels[] = {
+    {"#binvox", ".binvox", "a binvox file", "let its name end in .binvox"},
+    {"\x93numpy", ".npy", "an array of NumPy", "let its name end in .npy"},
+    {"# .pcd", ".pcd", "a cloud of points (PCD)", "let its name end in .pcd"},
+    {"ply\n", ".ply", "a PLY file", "let its name end in .ply"},
+    {"ply\r", ".ply", "a PLY file", "let its name end in .ply"},
+    {"bdv", ".vdb", "a sparse grid (OpenVDB)", kNumpy},
+    {"nrrd", ".nrrd .nhdr", "a grid of NRRD", kNumpy},
+    {"", ".nii .mhd .mha .dcm .vti .h5 .hdf5 .npz", "a grid of another program", kNumpy},
+    {"vox ", ".vox .schem .schematic .qb", "a grid of another program", kNumpy},
+    {"# octomap", ".bt .ot", "a tree of OctoMap",
+     "convert it: `octree2pointcloud {0} {1}.pcd`, and let cell be its resolution"},
+    {"lasf", ".las .laz", "a cloud of points (LAS)", kPdal},
+    {"astm-e57", ".e57", "a cloud of points (E57)", kPdal},
+    {"", ".xyz .pts .ptx .txt .csv", "a cloud of points as text", kPdal},
+    {"", ".obj .stl .off .glb .gltf .dae .fbx", "a model", "type surface reads models"},
+    {"", ".asc .tif .tiff .png .hgt", "a grid of heights", "type heights reads heights"},
+};
 
 std::string LowerCase(std::string_view text) {
   std::string lower(text);
@@ -179,6 +201,10 @@ ForeignModel ForeignModelOf(std::string_view name, std::string_view bytes) {
 
 ForeignModel ForeignHeightsOf(std::string_view name, std::string_view bytes) {
   return ForeignOf(name, bytes, kHeights, kHeightFormats);
+}
+
+ForeignModel ForeignVoxelsOf(std::string_view name, std::string_view bytes) {
+  return ForeignOf(name, bytes, kVoxels, kVoxelFormats);
 }
 
 }  // namespace cdb::plan

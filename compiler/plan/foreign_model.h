@@ -1,5 +1,5 @@
-// Files that hold models or heights, but not in a format that cdb reads: what they are, and the way
-// out.
+// Files that hold models, heights or voxels, but not in a format that cdb reads: what they are, and
+// the way out.
 //
 // Errors: none. Threads: any.
 #pragma once
@@ -13,6 +13,7 @@ namespace cdb::plan {
 inline constexpr std::string_view kModelFormats[] = {".obj", ".ply", ".stl", ".off"};
 inline constexpr std::string_view kHeightFormats[] = {".csv", ".asc",  ".png",
                                                       ".tif", ".tiff", ".hgt"};
+inline constexpr std::string_view kVoxelFormats[] = {".raw", ".binvox", ".npy", ".ply", ".pcd"};
 
 struct ForeignModel {
   std::string kind;    ///< `a COLLADA scene`; empty if the file is none that is known
@@ -24,6 +25,9 @@ struct ForeignModel {
 ForeignModel ForeignModelOf(std::string_view name, std::string_view bytes);
 /// The same for files of heights.
 ForeignModel ForeignHeightsOf(std::string_view name, std::string_view bytes);
+
+/// The same for grids of cells and clouds of points.
+ForeignModel ForeignVoxelsOf(std::string_view name, std::string_view bytes);
 
 /// The library by which this build reads files with this extension, such as `.dae`, with its
 /// version: library/meshes/import.h. Empty if there is none.

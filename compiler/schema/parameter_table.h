@@ -38,7 +38,7 @@ struct ParameterTable {
      .also = "count number n amount objects num copies"},
     {.name = "type", .grouped = true, .type = kWord, .distribution = true, .first_default = "sphere", .word_source = kObjectTypes,
      .doc = "shape of the objects",
-     .also = "kind shape shapes object types mesh hull surface file filename model geometry geom urdf sdf", .calls = "mesh hull compound surface heights height implicit rope cloth block soft"},
+     .also = "kind shape shapes object types mesh hull surface file filename model geometry geom urdf sdf pointcloud occupancy", .calls = "mesh hull compound surface heights height implicit voxels rope cloth block soft"},
     {.name = "aspect", .grouped = true, .type = kRatio, .domain = kPositive, .first_default = "1 : 1 : 1",
      .doc = "ratio of the sides, 1 : y : z; a side is size times its part: the full extent along x, y or z; at 1 : 1 : 1 a mesh keeps its proportions, and its longest side is the size"},
     {.name = "e1", .grouped = true, .type = kReal, .domain = {.min = 0, .min_open = true, .max = 2}, .distribution = true, .first_default = "1",

@@ -152,6 +152,16 @@ constexpr Parameter kImplicit[] = {
     Argument("lower", kVector, kAny, "m", "the corner of the box with the least coordinates"),
     Argument("upper", kVector, kAny, "m", "the corner of the box with the largest coordinates"),
     kCellOfGround};
+constexpr Parameter kVoxels[] = {
+    Argument("file", kText, kAny, "", "raw bytes (.raw), .binvox, NumPy (.npy), or a cloud of points (.ply, .pcd), relative to the .cdb file"),
+    Argument("sha256", kText, kAny, "", "of the file; a different file is refused", {.first_default = "any", .words = "any"}),
+    Argument("up", kWord, kAny, "", "the vertical axis of the file, which must be stated; z turns its coordinates (x, y, z) to (x, z, -y)", {.first_default = "unstated", .words = "unstated y z"}),
+    Argument("cell", kReal, kPositive, "m", "the side of a cell; file is that of a .binvox file", {.first_default = "file", .words = "file"}),
+    Argument("columns", kCount, kCountFromOne, "", "of a .raw file: cells along its x, whose bytes follow each other", {.first_default = "file", .words = "file", .omitted_at_default = true}),
+    Argument("rows", kCount, kCountFromOne, "", "of a .raw file: cells along its y", {.first_default = "file", .words = "file", .omitted_at_default = true}),
+    Argument("layers", kCount, kCountFromOne, "", "of a .raw file: cells along its z", {.first_default = "file", .words = "file", .omitted_at_default = true}),
+    Argument("threshold", kCount, kCountFromOne, "", "a cell is solid from this value, or this number of points, on", {.first_default = "one", .words = "one", .omitted_at_default = true}),
+    Argument("origin", kWord, kAny, "", "the point that at( ) and poses( ) place: the middle of the box of the solid cells or the origin of the file", {.first_default = "box", .words = "box file", .omitted_at_default = true})};
 constexpr Parameter kPart[] = {
     Argument("type", kWord, kAny, "", "a closed form, or a mesh or its hull", {.words = "sphere cuboid cylinder cone capsule tetrahedron", .calls = "mesh hull"}),
     Argument("sides", kVector, kPositive, "m", "full extents along its own x, y and z; native are those of the mesh", {.first_default = "native", .words = "native", .omitted_at_default = true}),
@@ -223,6 +233,7 @@ constexpr ParametrisedWord kCalls[] = {
     {"heights", "a height field, as ground for fixed objects", kHeights},
     {kHeightCall, "the heights that a formula gives, as ground for fixed objects", kHeight},
     {kImplicitCall, "the surface where a formula changes its sign, as ground for fixed objects", kImplicit},
+    {kVoxelsCall, "the solid cells of a grid, or those in which points of a cloud lie, as ground for fixed objects", kVoxels},
     {"compound", "one body of several parts, compound(part(…), part(…)), each at its own place; the origin of its frame is the point that layouts place", kCompound, false, true},
     {"rope", "a soft body: a chain of nodes along x, as long as its size, and as thick as two margins", kRope},
     {"cloth", "a soft body: a sheet of triangles over x and z, as thick as two margins", kCloth},

@@ -55,6 +55,8 @@ inline constexpr std::string_view kHeightsCall = "heights";
 /// The types of ground that formulae give: heights over x and z, and where a function of x, y and z
 /// changes its sign.
 inline constexpr std::string_view kHeightCall = "height", kImplicitCall = "implicit";
+/// The type of a grid of solid cells, or of a cloud of points that makes one.
+inline constexpr std::string_view kVoxelsCall = "voxels";
 /// The layout that reads the path of a kinematic object.
 inline constexpr std::string_view kPathCall = "path";
 /// The positions of joints that a file lists.

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "library/exact/least_height.h"
+#include "library/objects/solid_pair.h"
 
 namespace cdb::exact {
 namespace {
@@ -56,6 +57,7 @@ class Bodies {
     for (const SignedDistance& part : parts)
       if (part.upper <= kRival * least.upper && !IsSameWay(part.normal, least.normal))
         least.rival = std::min(least.rival, part.upper);
+    least.is_inside = !(least.upper < 0) && IsInCells();
     return least;
   }
 
@@ -153,6 +155,15 @@ class Bodies {
     const Vector3d room =
         Vector3d::Constant(std::max(0.0, std::min(reach, least.upper)) + 1e-12 * scale_);
     surface.compound->AnyPieceIn({place + box.lower - room, place + box.upper + room}, with);
+  }
+
+  /// Where no triangle is met, one point of a part stands for all of it.
+  bool IsInCells() const {
+    if (a_.IsSurface() == b_.IsSurface()) return false;
+    const bool is_a = a_.IsSurface();
+    return objects::AnyPieceIsInCells(is_a ? a_ : b_, is_a ? turn_a_ : turn_b_, is_a ? b_ : a_,
+                                      is_a ? turn_b_ : turn_a_,
+                                      is_a ? offset_ : Vector3d(-offset_));
   }
 
   const Solid &a_, &b_;

@@ -26,6 +26,11 @@ struct SignedDistance {
   /// deep.
   double rival = std::numeric_limits<double>::infinity();
 
+  /// True if one of the two is a surface around solid cells, and a part of the other is in these
+  /// without meeting a triangle. The bodies then overlap by an unknown depth; the distance is that
+  /// of the triangles.
+  bool is_inside = false;
+
   /// m: the gap along `normal` as computed, which is the best estimate; its negative is the depth.
   double gap = 0;
 

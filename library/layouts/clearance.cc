@@ -81,9 +81,13 @@ class PlacedPair {
   bool OnlyTouches() const {
     const double least = std::min(a_.solid.sides.minCoeff(), b_.solid.sides.minCoeff());
     if (offset_.isZero(0) || coarseness_ > kCoarse * least) return false;
-    return !pair_.AnyPieces([&](std::size_t i, std::size_t j) {
-      return pair_.PiecesOverlap(i, j, offset_) && !IsFreedByRounding(i, j);
+    bool touches = false;
+    const bool penetrates = pair_.AnyPieces([&](std::size_t i, std::size_t j) {
+      const bool overlaps = pair_.PiecesOverlap(i, j, offset_);
+      touches = touches || overlaps;
+      return overlaps && !IsFreedByRounding(i, j);
     });
+    return !penetrates && (touches || !pair_.IsInCells(offset_));
   }
 
   /// The distance that b must move away from a, along the line between their centres of mass, to be

@@ -75,6 +75,13 @@ bool Compound::PieceContains(std::size_t piece, const Vector3d& point) const {
   });
 }
 
+bool Compound::IsInCells(const Vector3d& point) const {
+  if (form_->voxels == nullptr) return false;
+  const Vector3d in_form = (from_mesh_.transpose() * point).cwiseQuotient(sides_) + form_->centre;
+  return form_->voxels->Contains(
+      (in_form - form_->file_origin).cwiseProduct(form_->native_side * form_->proportions));
+}
+
 Compound::Compound(std::shared_ptr<const ConvexDecomposition> form, const Vector3d& sides)
     : form_(std::move(form)), sides_(sides) {
   if (form_->IsSurface()) {

@@ -15,6 +15,7 @@
 #include "library/meshes/decompose.h"
 #include "library/meshes/mass_properties.h"
 #include "library/objects/height_surface.h"
+#include "library/terrain/voxel_grid.h"
 
 namespace cdb::objects {
 
@@ -99,6 +100,9 @@ struct ConvexDecomposition {
   /// For a height field, instead of pieces, as there may be millions. Null for others.
   std::shared_ptr<const HeightSurface> heights = nullptr;
   bool IsSurface() const { return tree != nullptr || heights != nullptr; }
+  /// For a surface around solid cells (library/terrain/voxel_grid.h): these, so that its inside is
+  /// known. Null for others.
+  std::shared_ptr<const terrain::VoxelGrid> voxels = nullptr;
   /// Of a surface, the number of triangles.
   std::size_t PieceCount() const { return heights ? heights->TriangleCount() : pieces.size(); }
   bool operator==(const ConvexDecomposition&) const = default;
@@ -141,6 +145,8 @@ class Compound {
     return form_->heights ? form_->heights->AnyOf(in_form, visit)
                           : form_->tree->AnyOf(in_form, visit);
   }
+  /// For a surface around solid cells: whether a point is in one of these. False for others.
+  bool IsInCells(const Eigen::Vector3d& point) const;
   /// Whether a point is in the piece.
   bool PieceContains(std::size_t piece, const Eigen::Vector3d& point) const;
   /// The farthest point of the piece along `direction`.

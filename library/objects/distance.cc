@@ -23,7 +23,7 @@ double Distance(const Solid& a, const Pose& pose_a, const Solid& b, const Pose& 
     least = std::min(least, pair.PieceGap(piece_a, piece_b, offset).distance);
     return least == 0;
   });
-  return least;
+  return pair.IsInCells(offset) ? 0 : least;
 }
 
 std::optional<double> Approach(const Solid& a, const Pose& pose_a, const Solid& b,

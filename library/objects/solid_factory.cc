@@ -22,6 +22,7 @@
 #include "library/meshes/primitives.h"
 #include "library/meshes/topology.h"
 #include "library/objects/formula_ground.h"
+#include "library/objects/ground_files.h"
 #include "library/objects/models.h"
 #include "library/objects/parts.h"
 #include "library/objects/soft_form.h"
@@ -107,36 +108,6 @@ ConvexDecomposition FormOfModel(const Model& model, const Reading& reading) {
   });
 }
 
-terrain::HeightOptions HeightOptionsOf(const schema::Call& call) {
-  terrain::HeightOptions options;
-  // Other values are the words `unit`, `file`, `refuse` and `lowest`.
-  const schema::Number* cell = schema::AsNumber(ArgumentOf(call, "cell"));
-  if (cell != nullptr) options.scale = Vector3d(cell->AsReal(), 1, cell->AsReal());
-  if (const Vector3d* scale = schema::AsVector(ArgumentOf(call, "scale"))) {
-    if (cell != nullptr)
-      throw library::SceneError("heights has a cell as well as a scale",
-                                "remove the cell; `scale` has the sides of a cell, too");
-    if (!(scale->minCoeff() > 0))
-      throw library::SceneError("the scale of heights must be more than 0 along each axis",
-                                "for example `scale: (30, 1, 30)`");
-    options.scale = *scale;
-  }
-  const schema::Value& no_data = ArgumentOf(call, "no_data");
-  if (const schema::Number* height = schema::AsNumber(no_data)) {
-    options.no_data = height->AsReal();
-  } else if (std::get<schema::Word>(no_data).text == "lowest") {
-    options.no_data = terrain::HeightOptions::Lowest();
-  }
-  return options;
-}
-
-ConvexDecomposition FormOfHeights(const std::string& name, const schema::Call& call,
-                                  const std::string& bytes) {
-  const auto& file = std::get<schema::Text>(ArgumentOf(call, "file")).text;
-  return MakeSurface(name, std::make_shared<const terrain::HeightGrid>(
-                               terrain::ParseHeights(bytes, file, HeightOptionsOf(call))));
-}
-
 /// The arguments that do not change the pieces.
 ConvexDecomposition WithFrame(ConvexDecomposition form, const schema::Call& call) {
   form.unit = MetresOfFile(call);
@@ -200,7 +171,7 @@ ConvexDecomposition FormOfFile(const schema::Call& call, const Reading& reading)
   if (planned != nullptr && sha256 != planned->text)
     throw library::SceneError(
         fmt::format("{}: it differs from the file that the plan was made with; plan again", file));
-  if (call.name == schema::kHeightsCall) return FormOfHeights(name, call, bytes);
+  if (IsGroundFile(call)) return GroundOfFile(name, call, bytes);
   if (call.name == "surface") {
     const meshes::Mesh mesh = meshes::ParseMesh(bytes, file);
     return WithFrame(WithLeftOut(MakeSurface(name, mesh), mesh), call);
@@ -345,6 +316,12 @@ std::string TextOf(const ConvexDecomposition& form) {
   if (form.points_compared > 0)
     return fmt::format("{}, up to {:.3g} m from the formula at {} points",
                        count(form.PieceCount(), "triangle"), form.deviation, form.points_compared);
+  if (form.voxels) {
+    const auto& [columns, rows, layers] = form.voxels->counts;
+    return fmt::format("{} of {} x {} x {} cells of {:g} m are solid, {}",
+                       form.voxels->SolidCount(), columns, rows, layers, form.voxels->cell,
+                       count(form.PieceCount(), "triangle"));
+  }
   if (form.IsSurface()) return count(form.PieceCount(), "triangle") + left_out;
   std::string text =
       fmt::format("{}, volume error {:.3g} %, IoU {:.3f}", count(form.pieces.size(), "hull"),

@@ -85,7 +85,7 @@ bool SolidPair::SurfaceOverlaps(const Vector3d& offset) const {
   const Box box = Bounds(other, Eigen::Quaterniond(Eigen::Matrix3d(turn.transpose() * other_turn)));
   // Tolerance for the rounding of the rotation.
   const Vector3d room = Vector3d::Constant(1e-12 * size_);
-  return surface.compound->AnyPieceIn(
+  const bool meets = surface.compound->AnyPieceIn(
       {place + box.lower - room, place + box.upper + room}, [&](std::size_t triangle) {
         for (std::size_t piece = 0; piece < other.PieceCount(); ++piece)
           if (is_a ? PiecesOverlap(triangle, piece, offset)
@@ -93,6 +93,28 @@ bool SolidPair::SurfaceOverlaps(const Vector3d& offset) const {
             return true;
         return false;
       });
+  return meets || IsInCells(offset);
+}
+
+bool SolidPair::IsInCells(const Vector3d& offset) const {
+  if (a_.IsSurface() == b_.IsSurface()) return false;
+  return a_.IsSurface() ? AnyPieceIsInCells(a_, turn_a_, b_, turn_b_, offset)
+                        : AnyPieceIsInCells(b_, turn_b_, a_, turn_a_, -offset);
+}
+
+bool AnyPieceIsInCells(const Solid& surface, const Eigen::Matrix3d& turn, const Solid& other,
+                       const Eigen::Matrix3d& other_turn, const Vector3d& offset) {
+  if (surface.compound->form().voxels == nullptr) return false;
+  for (std::size_t piece = 0; piece < other.PieceCount(); ++piece) {
+    // A point well inside the piece, so that it tells a face that the piece touches from outside.
+    Vector3d sum = Vector3d::Zero();
+    for (int axis = 0; axis < 3; ++axis)
+      sum += other.PieceSupport(piece, Vector3d::Unit(axis)) +
+             other.PieceSupport(piece, -Vector3d::Unit(axis));
+    const Vector3d point = offset + other_turn * sum / 6;
+    if (surface.compound->IsInCells(turn.transpose() * point)) return true;
+  }
+  return false;
 }
 
 bool SolidPair::Overlap(const Vector3d& offset) const {

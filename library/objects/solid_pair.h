@@ -34,6 +34,9 @@ class SolidPair {
   }
   /// Whether a pair of pieces overlaps or touches.
   bool PiecesOverlap(std::size_t piece_a, std::size_t piece_b, const Eigen::Vector3d& offset) const;
+  /// Whether one of the two is a surface around solid cells, in which a piece of the other is
+  /// without meeting a triangle; for pairs of which no pieces overlap.
+  bool IsInCells(const Eigen::Vector3d& offset) const;
   Gap PieceGap(std::size_t piece_a, std::size_t piece_b, const Eigen::Vector3d& offset) const;
 
  private:
@@ -50,6 +53,12 @@ class SolidPair {
   Eigen::Matrix3d turn_a_, turn_b_;
   double size_;
 };
+
+/// For a surface around solid cells: whether a point of a piece of `other`, whose centre of mass is
+/// at `offset` from that of the surface, is in a cell. If the piece meets no triangle, all of it
+/// is.
+bool AnyPieceIsInCells(const Solid& surface, const Eigen::Matrix3d& turn, const Solid& other,
+                       const Eigen::Matrix3d& other_turn, const Eigen::Vector3d& offset);
 
 // The distance subalgorithm of GJK: the part of a simplex nearest to the origin.
 

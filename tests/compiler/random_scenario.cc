@@ -177,6 +177,7 @@ class Maker {
              call == schema::kRelativeCall ||                            // there is no other group
              call == schema::kTableCall || call == schema::kHeightsCall ||
              call == schema::kHeightCall || call == schema::kImplicitCall ||
+             call == schema::kVoxelsCall ||
              call == analysis::kSurfaceWord ||  // for fixed objects only
              call == analysis::kRopeCall || call == analysis::kClothCall ||
              call == analysis::kBlockCall || call == schema::kSoftCall;  // soft_test.cc has them

@@ -192,6 +192,10 @@ ExactOverlap* Add(const BodyPair& bodies, double size, const exact::SignedDistan
 
 void Compute(const Candidate& of, ExactContacts& contacts) {
   const exact::SignedDistance distance = exact::DistanceOf(of.a, of.pose_a, of.b, of.pose_b, 0);
+  if (distance.is_inside) {
+    contacts.overlaps.push_back({of.bodies, 0, Vector3d::UnitY(), false, of.size, true});
+    return;
+  }
   if (ExactOverlap* overlap = Add(of.bodies, of.size, distance, contacts))
     overlap->has_one_normal = exact::HasOneNormal(of.a, of.pose_a, of.b, of.pose_b, distance, kTie);
 }
@@ -370,7 +374,11 @@ NarrowPhaseErrors CompareContacts(world::Engine& engine, const ExactContacts& ex
     errors.unlisted += is_missed && maker == ContactMaker::kNone;
     errors.bullet += maker == ContactMaker::kBullet;
     errors.bullet_missed += is_missed && maker == ContactMaker::kBullet;
-    if (!is_missed) AddError(overlaps[i], founds[i], errors);
+    if (is_missed) continue;
+    if (overlaps[i].is_inside)
+      ++errors.unknown;
+    else
+      AddError(overlaps[i], founds[i], errors);
   }
   return errors;
 }
@@ -392,7 +400,7 @@ void JudgeContacts(world::Engine& engine, const ExactContacts& exact,
   put("bullet_missed_contacts", errors.bullet_missed);
   put("bullet_uncompared_contacts", of_bullet);
   put("false_contacts", errors.false_);
-  const double found = static_cast<double>(exact.overlaps.size()) - errors.missed;
+  const double found = static_cast<double>(exact.overlaps.size()) - errors.missed - errors.unknown;
   if (found > 0) {
     recording.Put("depth_error", cycle, errors.depth_sum / found);
     recording.Put("max_depth_error", cycle, errors.depth_max);

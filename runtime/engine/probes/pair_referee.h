@@ -33,6 +33,8 @@ struct ExactOverlap {
   Eigen::Vector3d normal = Eigen::Vector3d::UnitY();  ///< from the second body to the first
   bool has_one_normal = true;  ///< false: another normal has about the same depth
   double size = 0;             ///< m, of the smaller object; walls have none
+  /// One is in solid cells and meets none of their triangles: neither depth nor normal is known.
+  bool is_inside = false;
 };
 
 /// In sizes. A shallower overlap is lost in rounding; no detector has to find it.
@@ -64,6 +66,7 @@ struct NarrowPhaseErrors {
   double unlisted = 0;  ///< of these, those whose pair the broad phase did not list
   double bullet = 0;    ///< overlaps of pairs whose contacts Bullet makes, not the detector
   double bullet_missed = 0;
+  double unknown = 0;     ///< found overlaps whose depth is not known
   double depth_sum = 0;   ///< sum of |depth - exact| over the other overlaps, in sizes
   double depth_max = 0;   ///< the largest of these
   double normal_sum = 0;  ///< sum of the angles between normals, rad, where the normal is unique

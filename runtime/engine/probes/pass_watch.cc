@@ -76,7 +76,9 @@ void PassWatch::CrossSurfaces(const BodyStates& before, const BodyStates& now) {
       const Vector3d from = world::ToEigen(before[i].pose.getOrigin());
       const Vector3d to = world::ToEigen(now[i].pose.getOrigin());
       if (!from.allFinite() || !to.allFinite()) continue;
-      if (Crosses(compound, InAxesOf(pose, from), InAxesOf(pose, to))) passed_[i] = 1;
+      const Vector3d place = InAxesOf(pose, to);
+      if (Crosses(compound, InAxesOf(pose, from), place) || compound.IsInCells(place))
+        passed_[i] = 1;
     }
   }
 }

@@ -49,6 +49,7 @@ double LeastDistance::ExactOf(const std::vector<objects::Pose>& poses) const {
   for (const auto& [a, b] : pairs_) {
     const exact::SignedDistance distance =
         exact::DistanceOf(objects_[a].solid, poses[a], objects_[b].solid, poses[b], least);
+    if (distance.is_inside) return 0;
     if (distance.lower < least) least = std::max(0.0, std::min(least, distance.gap));
     if (least == 0) break;
   }

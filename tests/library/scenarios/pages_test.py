@@ -57,7 +57,7 @@ def main():
             for pattern, by in REDUCED:
                 text = re.sub(pattern, by, text)
             copy.write_text(text)
-        for source in scenarios.rglob("*.obj"):
+        for source in [*scenarios.rglob("*.obj"), *scenarios.rglob("*.binvox")]:
             shutil.copy(source, folder / source.relative_to(scenarios))
         done = set()
         for page, block in blocks:
