@@ -159,20 +159,20 @@ TEST(Stuffing, ABoxWithWholeCellsIsFilledExactly) {
 }
 
 TEST(Stuffing, VolumeAndInertiaConvergeWithTheSquareOfTheCell) {
-  struct Case {
+  struct SolidForm {
     std::string name;
     meshes::Mesh mesh;
     double volume;
     Vector3d inertia;  ///< for a mass of 1
   };
   const double across = 9.0 / 2 + 5.0 / 8, along = 9 + 3.0 / 4;
-  const Case cases[] = {
+  const SolidForm cases[] = {
       {"sphere", SphereMesh(1, 7), 4 * std::numbers::pi / 3, Vector3d::Constant(0.4)},
       {"torus",
        meshes::TorusMesh(3, 1, 256, 128),
        6 * std::numbers::pi * std::numbers::pi,
        {across, along, across}}};
-  for (const Case& one : cases) {
+  for (const SolidForm& one : cases) {
     std::vector<double> volume, inertia;
     for (const std::size_t cells : {10, 20, 40}) {
       const Tetrahedra made = tetrahedra::Stuff(one.mesh, cells, one.name);

@@ -5,7 +5,6 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <random>
 #include <string>
@@ -21,9 +20,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kRelativeRounding = std::numeric_limits<btScalar>::epsilon();
-constexpr double kPull = 9.8, kDensity = 1000;
-constexpr bool kIsDouble = sizeof(btScalar) == 8;
 constexpr const char* kMaterials[] = {"linear", "corotated", "neo_hookean"};
 
 /// `n`: cells across a bar of 0.1 m x 0.1 m, 0.4 m long.
@@ -52,23 +48,6 @@ Vector3d MeanAt(const soft::SoftWorld& world, int axis, double place) {
   }
   EXPECT_GT(count, 0);
   return sum / count;
-}
-
-/// kg m^2/s: about the centre of mass.
-Vector3d AngularMomentumOf(const soft::SoftWorld& world) {
-  const soft::SoftObject& one = world.bodies()[0];
-  Vector3d centre = Vector3d::Zero();
-  double mass = 0;
-  for (std::size_t i = 0; i < one.masses.size(); ++i) {
-    centre += one.masses[i] * NodeAt(world, static_cast<int>(i));
-    mass += one.masses[i];
-  }
-  Vector3d sum = Vector3d::Zero();
-  for (std::size_t i = 0; i < one.masses.size(); ++i) {
-    const int node = static_cast<int>(i);
-    sum += one.masses[i] * (NodeAt(world, node) - centre / mass).cross(NodeVelocity(world, node));
-  }
-  return sum;
 }
 
 TEST(Material, StressIsTheDerivativeOfTheEnergy) {

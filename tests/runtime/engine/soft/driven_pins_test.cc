@@ -18,8 +18,6 @@ namespace {
 using Eigen::Vector3d;
 using testing::HasSubstr;
 
-constexpr bool kIsDouble = sizeof(btScalar) == 8;
-
 std::string Scene(const std::string& world, const std::string& objects) {
   return fmt::format(
       "world {{ side 100; walls none }} {}; objects {{ quantity 1; margin 0.001; location "

@@ -5,6 +5,7 @@
 
 #include <Eigen/Dense>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -21,6 +22,11 @@
 #include "tests/support/compile_text.h"
 
 namespace cdb::tests {
+
+inline constexpr double kRelativeRounding = std::numeric_limits<btScalar>::epsilon();
+inline constexpr bool kIsDouble = sizeof(btScalar) == 8;
+/// m/s^2 of the default scene, and kg/m^3 of the bars of tests.
+inline constexpr double kPull = 9.8, kDensity = 1000;
 
 /// The first run of a benchmark, in the engine's precision.
 inline plan::Run SoftRun(const std::string& statements) {
@@ -50,6 +56,30 @@ inline Eigen::Vector3d NodeAt(const soft::SoftWorld& world, int node, std::size_
 }
 inline Eigen::Vector3d NodeVelocity(const soft::SoftWorld& world, int node, std::size_t body = 0) {
   return world::ToEigen(world.bodies()[body].body->m_nodes[node].m_v);
+}
+
+/// m: the centre of mass of the first body.
+inline Eigen::Vector3d CentreOf(const soft::SoftWorld& world) {
+  const std::vector<double>& masses = world.bodies()[0].masses;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double mass = 0;
+  for (std::size_t i = 0; i < masses.size(); ++i) {
+    sum += masses[i] * NodeAt(world, static_cast<int>(i));
+    mass += masses[i];
+  }
+  return sum / mass;
+}
+
+/// kg m^2/s: of the first body about its centre of mass.
+inline Eigen::Vector3d AngularMomentumOf(const soft::SoftWorld& world) {
+  const Eigen::Vector3d centre = CentreOf(world);
+  const std::vector<double>& masses = world.bodies()[0].masses;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < masses.size(); ++i) {
+    const int node = static_cast<int>(i);
+    sum += masses[i] * (NodeAt(world, node) - centre).cross(NodeVelocity(world, node));
+  }
+  return sum;
 }
 
 /// rad/s: the square root of the largest eigenvalue of small motions. `masses`: kg, of the nodes, 0

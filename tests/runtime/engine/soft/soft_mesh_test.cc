@@ -7,7 +7,6 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <limits>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -23,9 +22,6 @@ namespace {
 
 using Eigen::Vector3d;
 using testing::HasSubstr;
-
-constexpr double kRelativeRounding = std::numeric_limits<btScalar>::epsilon();
-constexpr double kPull = 9.8, kDensity = 1000;
 
 /// A file with a mesh, and scenarios that name it.
 class MeshFile {
@@ -72,29 +68,6 @@ std::string Scene(const std::string& objects, double timestep, const std::string
 std::string Bar(const std::string& soft, double timestep, const std::string& more = "") {
   return Scene(fmt::format("size 0.4; mass {}; soft {{ {} }}", kDensity * 0.004, soft), timestep,
                more);
-}
-
-Vector3d CentreOf(const soft::SoftWorld& world) {
-  const soft::SoftObject& one = world.bodies()[0];
-  Vector3d sum = Vector3d::Zero();
-  double mass = 0;
-  for (std::size_t i = 0; i < one.masses.size(); ++i) {
-    sum += one.masses[i] * NodeAt(world, static_cast<int>(i));
-    mass += one.masses[i];
-  }
-  return sum / mass;
-}
-
-/// kg m^2/s: about the centre of mass.
-Vector3d AngularMomentumOf(const soft::SoftWorld& world) {
-  const Vector3d centre = CentreOf(world);
-  const std::vector<double>& masses = world.bodies()[0].masses;
-  Vector3d sum = Vector3d::Zero();
-  for (std::size_t i = 0; i < masses.size(); ++i) {
-    const int node = static_cast<int>(i);
-    sum += masses[i] * (NodeAt(world, node) - centre).cross(NodeVelocity(world, node));
-  }
-  return sum;
 }
 
 TEST(SoftMesh, BallFliesFreelyWithItsMomentum) {

@@ -417,6 +417,43 @@ TEST_F(Surfaces, ABallBesideAnEdgeIsDeflectedAndOneOnAFaceIsNot) {
   }
 }
 
+/// A cube, at some of whose corners a face is one triangle, at others two.
+constexpr const char* kCube =
+    "v -1 -1 -1\nv 1 -1 -1\nv 1 -1 1\nv -1 -1 1\nv -1 1 -1\nv 1 1 -1\nv 1 1 1\nv -1 1 1\n"
+    "f 5 8 7\nf 5 7 6\nf 1 2 3\nf 1 3 4\nf 1 5 6\nf 1 6 2\nf 2 6 7\nf 2 7 3\nf 3 7 8\n"
+    "f 3 8 4\nf 4 8 5\nf 4 5 1\n";
+
+TEST_F(Surfaces, ABallThatFallsOnAConvexCornerDoesNotSinkIn) {
+  constexpr double kHalf = 10, kRadius = 0.5;
+  std::vector<Vector3d> points;
+  for (const int corner : {0, 1, 2, 3})
+    for (int i = 0; i < 10; ++i)
+      for (int k = 0; k < 10; ++k) {
+        const double x = kHalf - 0.25 + 0.06 * i, z = kHalf - 0.25 + 0.06 * k;
+        points.emplace_back((corner & 1) != 0 ? x : -x, kHalf + kRadius + 0.3,
+                            (corner & 2) != 0 ? z : -z);
+      }
+  for (const char* edges : {"bullet", "smooth"}) {
+    SCOPED_TRACE(edges);
+    plan::Scene scene = SurfaceScene(kCube, points);
+    SetWorld(scene, "timestep", 1.0 / 240);
+    SetGroup(scene, "overlap", true);
+    SetGroup(scene, "collides_with", schema::WordList{"ground"});
+    SetGroup(scene, "edges", Word(edges), 1);
+    world::Engine engine = WholeEngine(scene, layouts::MakeInitialState(scene));
+    std::vector<double> deepest(points.size());
+    for (int cycle = 0; cycle < 150; ++cycle) {
+      engine.Step();
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        const Vector3d at = Position(engine, i);
+        const Vector3d nearest = at.cwiseMax(-kHalf).cwiseMin(kHalf);
+        deepest[i] = std::max(deepest[i], kRadius - (at - nearest).norm());
+      }
+    }
+    EXPECT_EQ(std::ranges::count_if(deepest, [](double x) { return x > 0.1 * kRadius; }), 0);
+  }
+}
+
 TEST_F(Surfaces, ABoxAcrossEdgesRests) {
   for (const char* edges : {"bullet", "smooth"}) {
     plan::Scene scene = SurfaceScene(kSquare, {{0.1, 0.5, 0.2}});
