@@ -26,7 +26,7 @@ ForeignModel ForeignModelOf(std::string_view name, std::string_view bytes);
 /// The same for files of heights.
 ForeignModel ForeignHeightsOf(std::string_view name, std::string_view bytes);
 
-/// The same for grids of cells and clouds of points.
+/// The same for grids of cells and point clouds.
 ForeignModel ForeignVoxelsOf(std::string_view name, std::string_view bytes);
 
 /// The library by which this build reads files with this extension, such as `.dae`, with its

@@ -153,7 +153,7 @@ constexpr Parameter kImplicit[] = {
     Argument("upper", kVector, kAny, "m", "the corner of the box with the largest coordinates"),
     kCellOfGround};
 constexpr Parameter kVoxels[] = {
-    Argument("file", kText, kAny, "", "raw bytes (.raw), .binvox, NumPy (.npy), or a cloud of points (.ply, .pcd), relative to the .cdb file"),
+    Argument("file", kText, kAny, "", "raw bytes (.raw), .binvox, NumPy (.npy), or a point cloud (.ply, .pcd), relative to the .cdb file"),
     Argument("sha256", kText, kAny, "", "of the file; a different file is refused", {.first_default = "any", .words = "any"}),
     Argument("up", kWord, kAny, "", "the vertical axis of the file, which must be stated; z turns its coordinates (x, y, z) to (x, z, -y)", {.first_default = "unstated", .words = "unstated y z"}),
     Argument("cell", kReal, kPositive, "m", "the side of a cell; file is that of a .binvox file", {.first_default = "file", .words = "file"}),

@@ -172,11 +172,16 @@ void CheckError(const SoftForm& form, const schema::Call& type, const std::strin
                 std::size_t cells) {
   const schema::Number* given = schema::AsNumber(schema::ArgumentOf(type, "error"));
   if (form.error <= (given != nullptr ? given->AsReal() : kLargestError)) return;
+  const auto arguments = schema::FindParametrisedWord(type.name)->arguments;
+  const double most = std::ranges::find(arguments, "cells", &schema::Parameter::name)->domain.max;
   throw library::SceneError(
       fmt::format("{}: at {} cells, the tetrahedra differ from the mesh by {:.3g} % of its volume: "
-                  "what is smaller than a cell is lost",
+                  "features smaller than a cell are lost",
                   file, cells, 100 * form.error),
-      fmt::format("use more cells, such as `cells: {}`, or accept it: `error: {:.2g}`", 2 * cells,
+      fmt::format("{}accept it: `error: {:.2g}`",
+                  static_cast<double>(2 * cells) <= most
+                      ? fmt::format("use more cells, such as `cells: {}`, or ", 2 * cells)
+                      : "",
                   std::ceil(100 * form.error) / 100));
 }
 
@@ -216,9 +221,9 @@ std::shared_ptr<const SoftForm> SoftFormOf(const schema::Call& type) {
 
 std::string TextOf(const SoftForm& form) {
   return fmt::format(
-      "{} nodes, {} tetrahedra, angles of {:.0f} to {:.0f} degrees between their faces, {:.3g} % "
-      "of "
-      "the volume, vertices of the mesh up to {:.2g} cells from the surface{}{}",
+      "{} nodes, {} tetrahedra, angles of {:.0f} to {:.0f} degrees between their faces at the "
+      "proportions of the file, {:.3g} % of the volume, vertices of the mesh up to {:.2g} cells "
+      "from the surface{}{}",
       form.mesh.NodeCount(), form.mesh.tetrahedra.size(), form.least_angle, form.most_angle,
       100 * form.volume_ratio, form.distance,
       form.left_out.empty() ? "" : ", left out: ", form.left_out);

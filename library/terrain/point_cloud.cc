@@ -1,4 +1,4 @@
-// Clouds of points, and the cells in which they lie.
+// Point clouds, and the cells in which they lie.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -20,8 +20,8 @@ constexpr const char* kSaveAgain = "save it again by pcl::io::savePCDFile, ascii
 
 struct Field {
   std::string_view name;
-  char type = 'F';
-  std::uint64_t size = 4, count = 1;
+  char type = '\0';  ///< 0: the header does not say
+  std::uint64_t size = 0, count = 1;
 };
 
 struct PcdHeader {
@@ -109,7 +109,7 @@ class PcdParser {
       const std::string_view key = NextWord(line);
       if (key.empty() || key.starts_with('#')) continue;
       if (key == "FIELDS") {
-        header_.fields.clear();
+        if (!header_.fields.empty()) RefuseHere("FIELDS has a line already");
         for (auto word = NextWord(line); !word.empty(); word = NextWord(line))
           header_.fields.push_back({word});
       } else if (key == "SIZE" || key == "TYPE" || key == "COUNT") {
@@ -136,6 +136,10 @@ class PcdParser {
       }
     }
     header_.size = bytes_.size() - rest.size();
+    for (const Field& field : header_.fields)
+      if (field.type == '\0' || field.size == 0)
+        RefuseFile(name_, fmt::format("its header has no TYPE and SIZE of `{}`", field.name),
+                   kSaveAgain);
   }
 
   void FindAxis(int axis) {

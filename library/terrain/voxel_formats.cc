@@ -15,8 +15,6 @@ namespace {
 
 using Counts = std::array<std::uint64_t, 3>;
 
-constexpr double kLargestPlace = 1e9;  ///< m; farther away, single precision has no cells
-
 std::string TextOf(const Counts& counts) {
   return fmt::format("{} x {} x {}", counts[0], counts[1], counts[2]);
 }
@@ -136,9 +134,8 @@ BinvoxHeader HeaderOfBinvox(std::string_view bytes, std::string_view name) {
     if (line == 1 || words.empty()) continue;
     const auto number = [&](std::size_t i) {
       const std::optional<double> found = HeightIn(words[i]);
-      if (!found || !(std::abs(*found) <= kLargestPlace))
-        RefuseLine(name, line, fmt::format("`{}` is not a number up to 1e9", words[i]),
-                   kExportAgain);
+      if (!found || !std::isfinite(*found))
+        RefuseLine(name, line, fmt::format("`{}` is not a number", words[i]), kExportAgain);
       return *found;
     };
     if (words[0] == "data" && words.size() == 1) {
@@ -149,7 +146,7 @@ BinvoxHeader HeaderOfBinvox(std::string_view bytes, std::string_view name) {
       for (std::size_t i = 0; i < 3; ++i) {
         const std::optional<std::uint64_t> count = CountIn(words[i + 1]);
         if (!count)
-          RefuseLine(name, line, fmt::format("`{}` is no number of cells", words[i + 1]),
+          RefuseLine(name, line, fmt::format("`{}` is not a number of cells", words[i + 1]),
                      kExportAgain);
         header.counts[i] = *count;
       }
@@ -195,7 +192,9 @@ VoxelGrid ReadBinvox(std::string_view bytes, std::string_view name, const VoxelO
       cells.Put((z * along_y + y) * along_x + x, value);
     }
   }
-  if (filled < count || (bytes.size() - header.size) % 2 != 0)
+  if (filled == count && (bytes.size() - header.size) % 2 != 0)
+    RefuseFile(name, "there is a byte after its last run", kExportAgain);
+  if (filled < count)
     RefuseFile(name, fmt::format("its runs have {} cells, its header {}", filled, count),
                "the file is truncated or damaged");
   cells.RefuseIfEmpty(name);
@@ -226,7 +225,7 @@ VoxelGrid ReadNpy(std::string_view bytes, std::string_view name, const VoxelOpti
   constexpr std::string_view kMagic = "\x93NUMPY";
   const auto byte = [&](std::size_t at) { return static_cast<unsigned char>(bytes[at]); };
   if (!bytes.starts_with(kMagic) || bytes.size() < 12)
-    RefuseFile(name, "it is no array of NumPy", "write it by numpy.save");
+    RefuseFile(name, "it is not a NumPy array", "write it by numpy.save");
   const unsigned version = byte(6);
   if (version < 1 || version > 3)
     RefuseFile(name, fmt::format("version {} of the format is not known", version),
@@ -256,8 +255,8 @@ VoxelGrid ReadNpy(std::string_view bytes, std::string_view name, const VoxelOpti
     counts[i] = count.value_or(0);
   }
   if (!is_shape)
-    RefuseFile(name, fmt::format("its shape is ({}), not that of three dimensions", shape),
-               "an array of cells along x, y and z");
+    RefuseFile(name, fmt::format("its shape is ({}), which is not of three dimensions", shape),
+               "write an array of cells along x, y and z");
   const double cell = GivenCell(name, options);
   VoxelGrid grid = EmptyGrid(counts, name);
   if (data.size() != grid.solid.size())

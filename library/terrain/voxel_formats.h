@@ -1,4 +1,4 @@
-// The formats of grids of cells and of clouds of points, each as a function from bytes to a grid
+// The formats of grids of cells and of point clouds, each as a function from bytes to a grid
 // along the axes of the file. For voxel_grid.cc.
 #pragma once
 

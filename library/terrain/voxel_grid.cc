@@ -16,6 +16,8 @@ namespace {
 
 using Eigen::Vector3d;
 
+constexpr double kLargestPlace = 1e9;  ///< m; farther away, single precision has no cells
+
 struct VoxelReader {
   std::string_view extension;
   VoxelGrid (*read)(std::string_view bytes, std::string_view name, const VoxelOptions& options);
@@ -97,6 +99,15 @@ std::size_t VoxelGrid::SolidCount() const {
 
 VoxelGrid ParseVoxels(std::string_view bytes, std::string_view name, const VoxelOptions& options) {
   VoxelGrid grid = ReadVoxels(bytes, name, options);
+  const Vector3d upper = grid.lower + grid.cell * Vector3d(static_cast<double>(grid.counts[0]),
+                                                           static_cast<double>(grid.counts[1]),
+                                                           static_cast<double>(grid.counts[2]));
+  if (!(grid.cell > 0 && grid.lower.cwiseAbs().maxCoeff() <= kLargestPlace &&
+        upper.cwiseAbs().maxCoeff() <= kLargestPlace))
+    RefuseFile(name,
+               fmt::format("its cells of {:g} m are not within {:g} m of the origin", grid.cell,
+                           kLargestPlace),
+               "give another `cell`, or move it to the origin");
   return options.is_z_up ? WithYUp(grid) : grid;
 }
 

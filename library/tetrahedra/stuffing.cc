@@ -59,8 +59,8 @@ DihedralAngles AnglesOf(const std::array<Vector3d, 4>& at) {
 /// Moves the corners of the lattice, and makes the tetrahedra.
 class Stuffing {
  public:
-  Stuffing(const Lattice& lattice, const meshes::Mesh& mesh)
-      : lattice_(lattice), crossings_(lattice, mesh) {}
+  Stuffing(const Lattice& lattice, const meshes::Mesh& mesh, std::string_view name)
+      : lattice_(lattice), crossings_(lattice, mesh), name_(name) {}
 
   Tetrahedra Take() {
     Warp();
@@ -95,6 +95,10 @@ class Stuffing {
   }
 
   std::uint32_t AddNode(const Vector3d& place) {
+    if (made_.nodes.size() == kMostNodes)
+      throw library::SceneError(
+          fmt::format("{}: its tetrahedra have more than {} nodes", name_, kMostNodes),
+          "use fewer cells");
     made_.nodes.push_back(place);
     return static_cast<std::uint32_t>(made_.nodes.size() - 1);
   }
@@ -243,6 +247,7 @@ class Stuffing {
 
   const Lattice& lattice_;
   Crossings crossings_;
+  const std::string_view name_;
   std::unordered_map<std::size_t, Vector3d> warped_;
   std::unordered_map<std::size_t, std::uint32_t> nodes_;
   std::unordered_map<std::pair<std::size_t, std::size_t>, std::uint32_t, HashOfPair> cuts_;
@@ -413,7 +418,7 @@ void SeparateAtNodes(Tetrahedra& made) {
 
 Tetrahedra Stuff(const meshes::Mesh& mesh, std::size_t cells, std::string_view name) {
   const Lattice lattice(mesh, cells);
-  Tetrahedra made = Stuffing(lattice, mesh).Take();
+  Tetrahedra made = Stuffing(lattice, mesh, name).Take();
   SeparateAtEdges(made);
   KeepLargest(made, name, cells);
   SeparateAtNodes(made);

@@ -5,8 +5,8 @@
 // Lengths in the unit of the mesh, u. A point is inside if the winding number of the mesh is at
 // least 1, so that overlapping parts are one. Features smaller than a cell may vanish, and edges of
 // the mesh are cut by up to a cell. The same mesh gives the same tetrahedra to the last bit.
-// Errors: SceneError that begins with `name`, if nothing is left, or several pieces. The mesh must
-// come from Watertight. Threads: any. Takes a second for 300,000 triangles.
+// Errors: SceneError that begins with `name`, if nothing is left, or several pieces, or more than
+// kMostNodes. The mesh must come from Watertight. Threads: any. Takes a second for 300,000 triangles.
 // Source: Labelle & Shewchuk, "Isosurface stuffing: fast tetrahedral meshes with good dihedral
 // angles", ACM Transactions on Graphics 26(3), 2007.
 #pragma once
@@ -21,6 +21,9 @@
 #include "library/meshes/mesh.h"
 
 namespace cdb::tetrahedra {
+
+/// As of blocks: Bullet takes 7 kB for each.
+inline constexpr std::size_t kMostNodes = 1'000'000;
 
 struct Tetrahedra {
   /// Its lattice has a corner at the middle of the box around the mesh, or half a cell beside it,

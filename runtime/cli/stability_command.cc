@@ -25,9 +25,9 @@ namespace fs = std::filesystem;
 
 struct StabilityArguments {
   std::vector<std::string> scenes;  ///< of the suite; empty: all
-  std::vector<std::string> precisions = {"single", "double"}, detectors = {"dbvt"},
-                           narrow_phases = {"own"};
-  std::string out = "stability";  ///< folder of the results
+  std::vector<std::string> precisions = {"single", "double"}, detectors = {"dbvt"};
+  std::vector<std::string> narrow_phases;  ///< empty: those of the scenes
+  std::string out = "stability";           ///< folder of the results
   std::uint64_t jobs = 1;
   bool has_boundaries = false;  ///< search them, instead of running the grids
   bool fresh = false;
@@ -74,11 +74,12 @@ options::ExitStatus RunSuite(const StabilityArguments& arguments) {
     // No lints: these scenarios use such numbers on purpose.
     const auto loaded = options::LoadPlans(file, {}, options::LintText::kNone);
     if (loaded.empty()) return options::ExitStatus::kScenarioError;
-    for (const plan::Plan& plan : loaded)
-      plans.push_back(compiler::Cross(
-          compiler::Cross(compiler::Cross(plan, "narrow_phase", arguments.narrow_phases),
-                          "detector", arguments.detectors),
-          "precision", arguments.precisions));
+    for (plan::Plan plan : loaded) {
+      if (!arguments.narrow_phases.empty())
+        plan = compiler::Cross(plan, "narrow_phase", arguments.narrow_phases);
+      plan = compiler::Cross(plan, "detector", arguments.detectors);
+      plans.push_back(compiler::Cross(plan, "precision", arguments.precisions));
+    }
   }
   plans::MakeResultsFolder(arguments.out);
   const plans::PlanRunner runner({arguments.jobs, arguments.fresh, arguments.quiet});
@@ -98,7 +99,8 @@ void DeclareStability(options::Subcommand& command) {
   command.Optional("SCENE", arguments->scenes, "scenes of the suite (default: all)");
   command.List("--precision", arguments->precisions, "precisions (default: single,double)");
   command.List("--detector", arguments->detectors, "detectors (default: dbvt)");
-  command.List("--narrow-phase", arguments->narrow_phases, "narrow phases (default: own)");
+  command.List("--narrow-phase", arguments->narrow_phases,
+               "narrow phases (default: that of each scene)");
   command.Out(arguments->out, "folder for the results (default: stability)");
   command.Jobs(arguments->jobs, "number of parallel runs (default: 1)");
   command.Flag("--boundaries", arguments->has_boundaries,

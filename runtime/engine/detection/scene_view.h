@@ -55,7 +55,8 @@ class SceneView {
   /// From 1, including the warm-up; 0 before the first cycle.
   std::uint64_t cycle() const { return cycle_; }
   /// The current input of a detector. Poses are read once per cycle, and only on request; those of
-  /// bodies that have been asleep since they were read, and of fixed ones, are kept.
+  /// bodies that have been asleep since they were read, and of fixed ones, are kept: after each
+  /// UpdateBoxes, they must be asked for before the bodies move.
   Scene For(bool wants_poses);
 
  private:

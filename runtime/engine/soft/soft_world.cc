@@ -223,7 +223,15 @@ Drive DriveOf(const plan::Group& group, const analysis::SoftMesh& mesh, const Ve
               const std::vector<Vector3d>& places) {
   Drive drive;
   drive.nodes = analysis::DrivenNodes(group, mesh);
-  if (drive.nodes.empty()) return drive;
+  if (drive.nodes.empty()) {
+    if (analysis::HasDrivenPins(group))
+      throw library::SceneError(
+          fmt::format("group {}: soft.drive.pin moves no nodes: there are none there, or soft.pin "
+                      "holds them all",
+                      group.name),
+          "name another side in soft.drive.pin, or remove it from soft.pin");
+    return drive;
+  }
   Vector3d mean = Vector3d::Zero();
   for (const std::uint32_t node : drive.nodes)
     mean += places[node] / static_cast<double>(drive.nodes.size());

@@ -285,7 +285,10 @@ class Search {
                         to = i + 1 == changes_.size() ? values_.size() : EndBefore(i + 1);
       if (step.to < from + kLeastSegment || to < step.to + kLeastSegment) continue;
       const SplitTest test = TestSplit(Part(from, step.to), Part(step.to, to));
-      if (test.difference * step.log_ratio <= 0) continue;
+      // A step that is not one without the drift stays as it was found.
+      if (test.difference * step.log_ratio <= 0 ||
+          std::abs(test.difference) < std::log1p(limits_.least_effect))
+        continue;
       step.log_ratio = test.difference;
       step.low = test.difference - ReachOf(test);
       step.high = test.difference + ReachOf(test);

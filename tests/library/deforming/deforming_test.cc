@@ -101,7 +101,7 @@ TEST(MeshSequence, RefusesTrianglesAndCoordinatesThatAreNone) {
             }).find("cloth: vertex 4 of frame 1 is ("),
             0u);
   EXPECT_EQ(refusal([](MeshSequence& cloth) { cloth.triangles.clear(); }),
-            "cloth: there are no triangles; a cloud of points does not collide");
+            "cloth: there are no triangles; a point cloud does not collide");
   EXPECT_EQ(refusal([](MeshSequence& cloth) { cloth.frames[1].pop_back(); }),
             "cloth: frame 1 has 8 vertices, and frame 0 has 9");
 }

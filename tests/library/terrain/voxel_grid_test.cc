@@ -138,7 +138,7 @@ TEST(Voxels, ThatAreDamagedAreRefused) {
             "a.binvox: it has 99999999999 x 3 x 2 cells; the limit is 268435456; take a part of "
             "it, or larger cells");
   EXPECT_EQ(Refused(With(binvox, "scale 2", "scale nan"), "a.binvox"),
-            "a.binvox:4: `nan` is not a number up to 1e9; write the file again");
+            "a.binvox:4: `nan` is not a number; write the file again");
   EXPECT_EQ(Refused(npy.substr(0, npy.size() - 1), "a.npy"),
             "a.npy: it has 23 bytes after its header, but 4 x 3 x 2 cells are 24; the file is "
             "truncated or damaged");
@@ -175,7 +175,7 @@ TEST(Voxels, OfOtherFormatsAreNamed) {
             "a.bt: is a tree of OctoMap; convert it: `octree2pointcloud a.bt a.pcd`, and let cell "
             "be its resolution");
   EXPECT_EQ(Refused("LASF", "scan.las"),
-            "scan.las: is a cloud of points (LAS); convert it: `pdal translate scan.las scan.ply`");
+            "scan.las: is a point cloud (LAS); convert it: `pdal translate scan.las scan.ply`");
   EXPECT_EQ(Refused("NRRD0004\n", "a.raw"),
             "a.raw: is a grid of NRRD; write its dense grid of uint8 by `numpy.save(\"a.npy\", "
             "grid)`");

@@ -69,6 +69,16 @@ TEST(Stability, ARatioHasNoUnit) {
       << map.out << map.err;
 }
 
+TEST(Stability, SetsNarrowPhasesSideBySide) {
+  const Program program;
+  const Finished map = program.Run({"stability", "small_on_large", "--precision", "double",
+                                    "--narrow-phase", "bullet,batch", "-q"});
+  EXPECT_EQ(map.status, 0) << map.err;
+  EXPECT_NE(map.out.find("\n  precision  detector  narrow_phase  "), std::string::npos) << map.out;
+  EXPECT_NE(map.out.find("\n  double     dbvt      bullet        "), std::string::npos) << map.out;
+  EXPECT_NE(map.out.find("\n  double     dbvt      batch         "), std::string::npos) << map.out;
+}
+
 TEST(Stability, SearchesWhereASceneStopsBeingSound) {
   const Program program;
   const Finished found =
@@ -111,6 +121,9 @@ TEST(Stability, RefusesWhatItHasNot) {
     return finished.err;
   };
   EXPECT_NE(error({"stability", "tall_stak"}).find("did you mean 'tall_stack'?"),
+            std::string::npos);
+  EXPECT_NE(error({"stability", "--narrow-phase", "bulet"})
+                .find("--narrow-phase bulet: did you mean 'bullet'?"),
             std::string::npos);
   EXPECT_NE(error({"stability", "--detector", "dvbt"}).find("did you mean 'dbvt'?"),
             std::string::npos);
