@@ -99,7 +99,10 @@ bool TokenCursor::NextLineContinues() const {
     case TokenKind::kCaret:
       return true;
     case TokenKind::kPath:
-      // `name value` is a separate statement.
+      // `name value` is a separate statement, and so is `name -1`, with no space after the sign.
+      if (Peek(2).kind == TokenKind::kMinus && Peek(2).begin > Peek(1).end &&
+          Peek(3).begin == Peek(2).end)
+        return false;
       return !AtValueStart(2) && Peek(2).kind != TokenKind::kLeftBrace &&
              Peek(2).kind != TokenKind::kAssign && !IsReserved(Text(Peek(1)));
     default:

@@ -182,8 +182,9 @@ constexpr Parameter kBlock[] = {
     Argument("rows", kCount, kBlockCells, "", "cells along z"),
     Argument("layers", kCount, kBlockCells, "", "cells along y")};
 constexpr Parameter kSoft[] = {
-    kModelFile, kModelHash, kModelUnit,
+    kModelFile, kModelHash,
     Argument("cells", kCount, kSoftCells, "", "of the lattice, along the longest side of the mesh"),
+    kModelUnit,
     Argument("error", kReal, kPositive, "", "admissible volume of the tetrahedra outside the mesh, and of the mesh outside of them, relative to that of the mesh; fit is 0.1", {.first_default = "fit", .words = "fit", .omitted_at_default = true}),
     Argument("nodes", kCount, kCountFromOne, "", "of its tetrahedra, which a plan states; another number is refused", {.first_default = "any", .words = "any"})};
 constexpr Parameter kPartOfList = Argument("part", kWord, kAny, "", "a part( )", {.calls = "part"});

@@ -83,8 +83,7 @@ void CheckSequence(const MeshSequence& sequence, std::string_view name) {
     throw SceneError(fmt::format("{}: {}", name, what));
   };
   if (sequence.frames.empty()) refuse("there is no frame; name at least one");
-  if (sequence.triangles.empty())
-    refuse("there are no triangles; a point cloud does not collide");
+  if (sequence.triangles.empty()) refuse("there are no triangles; a point cloud does not collide");
   const std::size_t vertices = sequence.vertices();
   for (std::size_t i = 0; i < sequence.triangles.size(); ++i) {
     const auto [a, b, c] = sequence.triangles[i];

@@ -243,8 +243,8 @@ options::ExitStatus View(const ViewArguments& arguments) {
   RequireOneClock(recordings);
   for (const SceneRecording& recording : recordings) {
     terminal::Say(fmt::format(
-        "{}{}{}: {} objects, {}\n", recording.file, recording.name.empty() ? "" : ", ",
-        recording.name, recording.ObjectCount(),
+        "{}{}{}: {} {}, {}\n", recording.file, recording.name.empty() ? "" : ", ", recording.name,
+        recording.ObjectCount(), recording.ObjectCount() == 1 ? "object" : "objects",
         recording.cycles.empty() ? "the start" : fmt::format("{} frames", recording.FrameCount())));
     for (const std::string& notice : recording.notices) terminal::Say("  " + notice + "\n");
   }

@@ -409,7 +409,12 @@ void SoftWorld::MakeSoft(const ObjectState& object, std::size_t index) {
   if (!one.mesh.places.empty())
     for (std::size_t node = 0; node < count; ++node)
       centre += one.masses[node] / object.mass * places[node];
-  for (const std::uint32_t node : analysis::PinnedNodes(group, one.mesh)) one.masses[node] = 0;
+  const std::vector<std::uint32_t> pinned = analysis::PinnedNodes(group, one.mesh);
+  if (pinned.empty() && !group.settings.Lists("soft.pin", "none"))
+    throw library::SceneError(
+        fmt::format("group {}: soft.pin holds no nodes: there are none there", group.name),
+        "name another side, such as `pin bottom`");
+  for (const std::uint32_t node : pinned) one.masses[node] = 0;
   one.drive = DriveOf(group, one.mesh, object.pose.position, places);
   for (const std::uint32_t node : one.drive.nodes) one.masses[node] = 0;
   btAlignedObjectArray<btVector3> points;

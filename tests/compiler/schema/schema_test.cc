@@ -125,7 +125,9 @@ TEST(ParametrisedWords, AreDocumentedAndTakenBySomething) {
       EXPECT_FALSE(argument.doc.empty()) << info.name << " " << argument.name;
       EXPECT_TRUE(argument.DefaultText().empty() || argument.HasWord(argument.DefaultText()))
           << info.name << " " << argument.name;
-      // Required arguments come first, so that they can be given by position.
+      // Required arguments come first, so that they can be given by position. The hash of a file is
+      // second; it is for plans, and what follows is given by name.
+      if (argument.name == "sha256") continue;
       EXPECT_FALSE(has_default && argument.DefaultText().empty()) << info.name;
       has_default = !argument.DefaultText().empty();
       EXPECT_TRUE(argument.calls.empty() || is_part) << info.name << " " << argument.name;

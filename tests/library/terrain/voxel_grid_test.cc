@@ -146,7 +146,8 @@ TEST(Voxels, ThatAreDamagedAreRefused) {
             "a.npy: its values are of type '<f4', not uint8 or bool; write `(array > "
             "0.5).astype(\"uint8\")` by numpy.save");
   EXPECT_EQ(Refused(With(npy, "(4, 3, 2)", "(4, 6)   "), "a.npy"),
-            "a.npy: its shape is (4, 6), not that of three dimensions; an array of cells along x, "
+            "a.npy: its shape is (4, 6), which is not of three dimensions; write an array of cells "
+            "along x, "
             "y and z");
   EXPECT_EQ(Refused(npy.substr(0, 40), "a.npy"),
             "a.npy: the file ends in its header; the file is truncated");

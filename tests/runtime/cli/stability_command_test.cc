@@ -71,8 +71,8 @@ TEST(Stability, ARatioHasNoUnit) {
 
 TEST(Stability, SetsNarrowPhasesSideBySide) {
   const Program program;
-  const Finished map = program.Run({"stability", "small_on_large", "--precision", "double",
-                                    "--narrow-phase", "bullet,batch", "-q"});
+  const Finished map = program.Run(
+      {"stability", "size_ratio", "--precision", "double", "--narrow-phase", "bullet,batch", "-q"});
   EXPECT_EQ(map.status, 0) << map.err;
   EXPECT_NE(map.out.find("\n  precision  detector  narrow_phase  "), std::string::npos) << map.out;
   EXPECT_NE(map.out.find("\n  double     dbvt      bullet        "), std::string::npos) << map.out;

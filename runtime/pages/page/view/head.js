@@ -19,7 +19,7 @@ function chip(run) {
 
 function lineOf(recording, index, isOne) {
   const { run } = recording;
-  const facts = [run.name, `${recording.count} objects`, run.name.includes('detector') ? '' : `detector ${run.detector}`,
+  const facts = [run.name, `${recording.count} ${recording.count === 1 ? 'object' : 'objects'}`, run.name.includes('detector') ? '' : `detector ${run.detector}`,
     !run.cycles ? '' : run.has_configurations ? `${run.cycles} configurations`
       : `${run.cycles} cycles of ${Number((run.timestep * 1000).toPrecision(4))} ms`];
   return element('p', { class: 'run' }, ...(isOne ? [] : [element('b', { class: `run${index}` }, `${'AB'[index]} `)]),

@@ -124,5 +124,18 @@ TEST(DrivenPins, RefusesWhatMovesNothing) {
             std::string::npos);
 }
 
+TEST(DrivenPins, RefusesDrivesWhoseNodesAllStay) {
+  const plan::Run run = SoftRun(
+      Scene("soft_world springs",
+            "type rope(segments: 3); size 1; soft { pin ends; drive { pin right; linear_velocity "
+            "(1, 0, 0) } }"));
+  try {
+    MakeSoftWorld(run);
+    FAIL();
+  } catch (const library::SceneError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("soft.drive.pin moves no nodes"));
+  }
+}
+
 }  // namespace
 }  // namespace cdb::tests

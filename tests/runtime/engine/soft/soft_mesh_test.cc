@@ -70,6 +70,17 @@ std::string Bar(const std::string& soft, double timestep, const std::string& mor
                more);
 }
 
+TEST(SoftMesh, BallHasNoCornersToPin) {
+  const MeshFile file("ball.obj", SphereMesh(1, 4));
+  const plan::Run run = file.Run(Scene("size 0.4; mass 8; soft { pin corners }", 0.0005), 6);
+  try {
+    MakeSoftWorld(run);
+    FAIL();
+  } catch (const library::SceneError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("soft.pin holds no nodes"));
+  }
+}
+
 TEST(SoftMesh, BallFliesFreelyWithItsMomentum) {
   const MeshFile file("ball.obj", SphereMesh(1, 4));
   const plan::Run run = file.Run(

@@ -61,7 +61,7 @@ TEST(ViewCommand, SaysThatPosesAreMissingAndShowsTheStart) {
   ASSERT_EQ(program.Run({"run", "-q", "start.cdb"}).status, 0);
   const Finished view = program.Run({"view", "start.h5"});
   EXPECT_EQ(view.status, 0) << view.err;
-  EXPECT_THAT(view.err, HasSubstr("1 objects, the start\n"));
+  EXPECT_THAT(view.err, HasSubstr("1 object, the start\n"));
   EXPECT_THAT(view.err, HasSubstr("This run has no poses"));
   EXPECT_THAT(view.err, HasSubstr("`record timing, counts, poses`"));
   const Finished cycles = program.Run({"view", "start.h5", "--cycles", "1..2"});
