@@ -46,7 +46,8 @@ std::string PointsText(const Call& call) {
   return fmt::format("{}({})", call.name, text);
 }
 
-/// Only arguments that differ from their defaults; required arguments without their names.
+/// Only arguments that differ from their defaults; required arguments without their names, unless
+/// an optional one comes before them.
 std::string CallText(const Call& call) {
   const ParametrisedWord* info = FindParametrisedWord(call.name);
   CDB_CHECK(info != nullptr);
@@ -54,12 +55,14 @@ std::string CallText(const Call& call) {
   std::string text;
   for (const Value& part : PartsOf(call))
     text += fmt::format("{}{}", text.empty() ? "" : ", ", ToText(part));
+  bool is_by_name = false;
   for (std::size_t i = 0; i < info->arguments.size(); ++i) {
     const Parameter& argument = info->arguments[i];
     const std::string value = ToText(call.arguments[i]);
+    is_by_name = is_by_name || !argument.DefaultText().empty();
     if (value == argument.DefaultText()) continue;
     if (!text.empty()) text += ", ";
-    if (!argument.DefaultText().empty()) text += fmt::format("{}: ", argument.name);
+    if (is_by_name) text += fmt::format("{}: ", argument.name);
     text += value;
   }
   return text.empty() ? call.name : fmt::format("{}({})", call.name, text);

@@ -6,9 +6,9 @@
 // least 1, so that overlapping parts are one. Features smaller than a cell may vanish, and edges of
 // the mesh are cut by up to a cell. The same mesh gives the same tetrahedra to the last bit.
 // Errors: SceneError that begins with `name`, if nothing is left, or several pieces, or more than
-// kMostNodes. The mesh must come from Watertight. Threads: any. Takes a second for 300,000 triangles.
-// Source: Labelle & Shewchuk, "Isosurface stuffing: fast tetrahedral meshes with good dihedral
-// angles", ACM Transactions on Graphics 26(3), 2007.
+// kMostNodes. The mesh must come from Watertight. Threads: any. Takes a second for 300,000
+// triangles. Source: Labelle & Shewchuk, "Isosurface stuffing: fast tetrahedral meshes with good
+// dihedral angles", ACM Transactions on Graphics 26(3), 2007.
 #pragma once
 
 #include <Eigen/Core>

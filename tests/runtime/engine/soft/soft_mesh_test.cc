@@ -266,7 +266,7 @@ TEST(SoftMesh, RefusesWhatIsNoSolidOrLost) {
     const schema::Word any{"any"}, metres{"m"};
     objects::ReadModel(
         schema::Call{"soft",
-                     {schema::Text{file.path()}, any, metres, schema::Number(cells), error, any}},
+                     {schema::Text{file.path()}, any, schema::Number(cells), metres, error, any}},
         {}, why);
     return why.cause + "; " + why.remedy;
   };
