@@ -11,7 +11,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <numeric>
 #include <optional>
 #include <span>
 #include <utility>
@@ -19,6 +18,7 @@
 
 #include "library/meshes/mesh.h"
 #include "library/meshes/quick_hull.h"
+#include "library/meshes/union_find.h"
 
 namespace cdb::meshes {
 
@@ -64,34 +64,7 @@ std::vector<Piece> Cut(const Piece& piece, const Plane& plane, std::int32_t cut,
 /// The two as one piece, without the caps between them. Its hull is not set.
 Piece Joined(const Piece& first, const Piece& second);
 
-// Disjoint sets of numbers.
-//
-// Each set's root is its smallest number, so that the order of joins does not matter. Source:
-// Tarjan & van Leeuwen, "Worst-case analysis of set union algorithms", J. ACM 31(2), 1984.
-
 inline constexpr std::uint32_t kNoVertex = 0xffffffff;
-
-class UnionFind {
- public:
-  explicit UnionFind(std::size_t count) { Reset(count); }
-  void Reset(std::size_t count) {
-    parent_.resize(count);
-    std::iota(parent_.begin(), parent_.end(), 0u);
-  }
-  std::uint32_t Root(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void Join(std::uint32_t a, std::uint32_t b) {
-    a = Root(a);
-    b = Root(b);
-    if (a > b) std::swap(a, b);
-    parent_[b] = a;
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
 
 // The plane along which it is best to cut a piece.
 //

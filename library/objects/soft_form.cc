@@ -98,7 +98,10 @@ SoftForm MakeForm(const meshes::Mesh& mesh, std::size_t cells, const std::string
   form.mesh.side_depth = Vector3d::Constant(kSideDepth * made.cell).cwiseQuotient(box.sizes());
   form.native_side = box.sizes().maxCoeff();
   form.proportions = box.sizes() / form.native_side;
-  const meshes::Mesh surface = tetrahedra::SurfaceOf(made);
+  analysis::AddLinksAndTriangles(form.mesh);
+  meshes::Mesh surface;
+  surface.vertices = made.nodes;
+  surface.triangles = form.mesh.triangles;
   const meshes::OverlapVolume volume = meshes::OverlapVolumeOf(surface, mesh);
   form.volume_ratio = volume.first / volume.second;
   form.error = (volume.first + volume.second - 2 * volume.common) / volume.second;
@@ -139,7 +142,9 @@ std::optional<SoftForm> FindForm(const std::string& key) {
                         std::ranges::all_of(form.mesh.tetrahedra, [&](const auto& corners) {
                           return *std::ranges::max_element(corners) < form.mesh.places.size();
                         });
-  return is_whole ? std::optional(std::move(form)) : std::nullopt;
+  if (!is_whole) return std::nullopt;
+  analysis::AddLinksAndTriangles(form.mesh);
+  return form;
 }
 
 /// The form without the unit and the checks of a call.
@@ -162,7 +167,6 @@ std::shared_ptr<const SoftForm> FormOnce(const std::string& bytes, const std::st
     Visit(writer, *form);
     library::StoreCached(library::CacheFolder(), kSoftKind, key, writer.Take());
   }
-  analysis::AddLinksAndTriangles(form->mesh);
   kept.emplace_back(key, std::make_shared<const SoftForm>(*std::move(form)));
   if (kept.size() > kKeptForms) kept.pop_front();
   return kept.back().second;

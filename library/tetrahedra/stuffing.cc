@@ -7,12 +7,12 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <numeric>
-#include <optional>
+#include <tuple>
 #include <unordered_map>
 #include <utility>
 
 #include "dsl/text/check.h"
+#include "library/meshes/union_find.h"
 #include "library/scene_error.h"
 #include "library/tetrahedra/lattice.h"
 
@@ -258,45 +258,21 @@ class Stuffing {
 struct Face {
   std::array<std::uint32_t, 3> sorted;
   std::uint32_t tetrahedron;
-  std::uint8_t number;  ///< in kFaces
 };
 
 std::vector<Face> SortedFaces(const std::vector<Corners>& all) {
   std::vector<Face> faces;
   faces.reserve(4 * all.size());
   for (std::uint32_t i = 0; i < all.size(); ++i)
-    for (std::uint8_t number = 0; number < 4; ++number) {
-      Face face{{}, i, number};
-      for (std::size_t k = 0; k < 3; ++k) face.sorted[k] = all[i][kFaces[number][k]];
+    for (const auto& [a, b, c] : kFaces) {
+      Face face{{all[i][a], all[i][b], all[i][c]}, i};
       std::ranges::sort(face.sorted);
       faces.push_back(face);
     }
-  std::ranges::sort(faces, {}, [](const Face& face) {
-    return std::tuple(face.sorted, face.tetrahedron, face.number);
-  });
+  std::ranges::sort(faces, {},
+                    [](const Face& face) { return std::pair(face.sorted, face.tetrahedron); });
   return faces;
 }
-
-/// Sets of numbers that are joined.
-class Joined {
- public:
-  explicit Joined(std::size_t count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), std::uint32_t{0});
-  }
-  std::uint32_t Root(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  /// The root is the least.
-  void Join(std::uint32_t a, std::uint32_t b) {
-    a = Root(a);
-    b = Root(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
 
 /// The pairs of tetrahedra that share a face.
 std::vector<std::pair<std::uint32_t, std::uint32_t>> NeighboursOf(const std::vector<Corners>& all) {
@@ -329,7 +305,7 @@ void SeparateAtEdges(Tetrahedra& made) {
       for (end = begin; end < uses.size() && uses[end].low == uses[begin].low &&
                         uses[end].high == uses[begin].high;)
         ++end;
-      Joined fans(end - begin);
+      meshes::UnionFind fans(end - begin);
       for (std::size_t i = begin; i < end; ++i)
         for (std::size_t j = i + 1; j < end; ++j) {
           std::size_t shared = 0;
@@ -357,7 +333,7 @@ void SeparateAtEdges(Tetrahedra& made) {
 
 /// Keeps the largest of the pieces that are connected by faces.
 void KeepLargest(Tetrahedra& made, std::string_view name, std::size_t cells) {
-  Joined pieces(made.corners.size());
+  meshes::UnionFind pieces(made.corners.size());
   for (const auto& [a, b] : NeighboursOf(made.corners)) pieces.Join(a, b);
   std::vector<double> volumes(made.corners.size(), 0.0);
   double whole = 0;
@@ -389,7 +365,7 @@ void KeepLargest(Tetrahedra& made, std::string_view name, std::size_t cells) {
 /// Gives tetrahedra that meet only at a node a node each, and drops unused nodes.
 void SeparateAtNodes(Tetrahedra& made) {
   // A number for each corner of each tetrahedron; those of one node are joined through faces.
-  Joined corners(4 * made.corners.size());
+  meshes::UnionFind corners(4 * made.corners.size());
   const auto place_in = [&](std::uint32_t tetrahedron, std::uint32_t node) {
     const Corners& of = made.corners[tetrahedron];
     return static_cast<std::uint32_t>(4 * tetrahedron + (std::ranges::find(of, node) - of.begin()));
@@ -435,23 +411,6 @@ DihedralAngles DihedralAnglesOf(const Tetrahedra& tetrahedra) {
     all.most = std::max(all.most, angles.most);
   }
   return all;
-}
-
-meshes::Mesh SurfaceOf(const Tetrahedra& tetrahedra) {
-  meshes::Mesh surface;
-  surface.vertices = tetrahedra.nodes;
-  const std::vector<Face> faces = SortedFaces(tetrahedra.corners);
-  for (std::size_t i = 0; i < faces.size(); ++i) {
-    if (i + 1 < faces.size() && faces[i].sorted == faces[i + 1].sorted) {
-      ++i;
-      continue;
-    }
-    meshes::Triangle triangle;
-    for (std::size_t k = 0; k < 3; ++k)
-      triangle[k] = tetrahedra.corners[faces[i].tetrahedron][kFaces[faces[i].number][k]];
-    surface.triangles.push_back(triangle);
-  }
-  return surface;
 }
 
 }  // namespace cdb::tetrahedra

@@ -43,7 +43,4 @@ struct DihedralAngles {
 };
 DihedralAngles DihedralAnglesOf(const Tetrahedra& tetrahedra);
 
-/// Faces of one tetrahedron, counter-clockwise from outside, with all nodes as vertices.
-meshes::Mesh SurfaceOf(const Tetrahedra& tetrahedra);
-
 }  // namespace cdb::tetrahedra

@@ -73,8 +73,7 @@ bool MayTouchCorner(const btTriangleShape& triangle, const btTriangleInfo& edges
                     const btVector3& front, bool is_behind, const btVector3& normal) {
   constexpr btScalar kSlack(1e-3);
   const btScalar angles[] = {edges.m_edgeV0V1Angle, edges.m_edgeV1V2Angle, edges.m_edgeV2V0Angle};
-  btVector3 own_front;
-  triangle.calcNormal(own_front);
+  const btVector3 own_front = is_behind ? -front : front;
   for (const int edge : {corner, (corner + 2) % 3}) {
     if (angles[edge] >= SIMD_2_PI) continue;  // open
     const bool is_convex = ((edges.m_flags & TRI_INFO_V0V1_CONVEX << edge) != 0) != is_behind;

@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "compiler/analysis/soft.h"
 #include "library/meshes/mass_properties.h"
 #include "library/meshes/overlap_volume.h"
 #include "library/meshes/primitives.h"
@@ -111,7 +112,12 @@ void ExpectWellFormed(const Tetrahedra& made, const std::string& what) {
     EXPECT_LE(count, 2) << what;
     outer += count == 1;
   }
-  const meshes::Mesh surface = tetrahedra::SurfaceOf(made);
+  analysis::SoftMesh mesh;
+  mesh.tetrahedra = made.corners;
+  analysis::AddLinksAndTriangles(mesh);
+  meshes::Mesh surface;
+  surface.vertices = made.nodes;
+  surface.triangles = mesh.triangles;
   EXPECT_EQ(surface.triangles.size(), outer) << what;
   // The surface is a manifold: each edge once in each direction, and one fan at each node.
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
