@@ -68,4 +68,8 @@ bool IsRecordedBy(const schema::Series& series, const plan::Scene& scene) {
   });
 }
 
+bool MeasuresPhases(const plan::Scene& scene) {
+  return scene.world.Lists("record", "timing") || scene.world.Lists("record", "counters");
+}
+
 }  // namespace cdb::analysis

@@ -13,4 +13,7 @@ RunKind KindOf(const plan::Scene& scene);
 /// True if `scene` requests the series, and a run of its kind can record it.
 bool IsRecordedBy(const schema::Series& series, const plan::Scene& scene);
 
+/// True if the phases of a cycle are measured, for times or counters.
+bool MeasuresPhases(const plan::Scene& scene);
+
 }  // namespace cdb::analysis

@@ -71,8 +71,25 @@ void SceneChecks::Report(configure::Configuration& configuration,
 
 // Runs that are counted are executed by Valgrind.
 bool SceneChecks::CheckClock(configure::Configuration& configuration, const plan::Scene& scene) {
-  if (!plan::CountsInstructions(scene)) return true;
   std::vector<LaidFault> faults;
+  if (scene.world.Lists("record", "counters") && scene.world.Count("threads") > 1)
+    faults.push_back({&scenario::kContradiction,
+                      {"", schema::WorldParameter("threads").get()},
+                      {},
+                      "`record counters` counts the events of one thread",
+                      "write threads 1, or remove 'counters'"});
+  if (!plan::CountsInstructions(scene)) {
+    Report(configuration, faults);
+    return faults.empty();
+  }
+  if (scene.world.Lists("record", "counters"))
+    faults.push_back(
+        {&scenario::kContradiction,
+         {"", schema::WorldParameter("record").get()},
+         "counters",
+         "`clock instructions` runs the engine in Valgrind, whose events are not those "
+         "of the engine",
+         "remove 'counters', or use `clock time`"});
   if (scene.world.Count("threads") > 1)
     faults.push_back({&scenario::kContradiction,
                       {"", schema::WorldParameter("threads").get()},

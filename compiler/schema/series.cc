@@ -33,7 +33,8 @@ std::span<const Dimension> DimensionsOf(SeriesShape shape) {
                              kOfSample[] = {Dimension::kSample},
                              kOfQuery[] = {Dimension::kQuery, kCycle},
                              kOfAnswer[] = {kCycle, kQueryRow, Dimension::kAnswer},
-                             kOfVertex[] = {kCycle, Dimension::kVertex, kCoordinate};
+                             kOfVertex[] = {kCycle, Dimension::kVertex, kCoordinate},
+                             kOfCounter[] = {Dimension::kCounter, Dimension::kPhase, kCycle};
   switch (shape) {
     case SeriesShape::kScalar:
       return kOfScalar;
@@ -53,6 +54,8 @@ std::span<const Dimension> DimensionsOf(SeriesShape shape) {
       return kOfAnswer;
     case SeriesShape::kVertex:
       return kOfVertex;
+    case SeriesShape::kCounter:
+      return kOfCounter;
   }
   return {};
 }

@@ -30,6 +30,7 @@ inline constexpr RecordWord kRecordWords[] = {
      .on_traces = true,
      .on_configurations = true,
      .on_soft = true},
+    {.name = "counters", .needs_detection = true, .on_traces = true, .on_soft = true},
     {.name = "counts",
      .needs_detection = true,
      .on_traces = true,
@@ -52,6 +53,10 @@ inline constexpr RecordWord kRecordWords[] = {
 enum class Phase { kBroad, kNarrow, kDetect, kSolve, kIntegrate, kStep };
 inline constexpr std::string_view kPhases[] = {"broad", "narrow",    "detect",
                                                "solve", "integrate", "step"};
+/// The events that `record counters` counts, in the order of the `counter` axis.
+enum class Counter { kInstructions, kCpuCycles, kCacheMisses, kBranchMisses, kPageFaults };
+inline constexpr std::string_view kCounters[] = {"instructions", "cpu_cycles", "cache_misses",
+                                                 "branch_misses", "page_faults"};
 inline constexpr std::string_view kPoseParts[] = {"x", "y", "z", "qx", "qy", "qz", "qw"};
 inline constexpr std::string_view kBounds[] = {"lower_x", "lower_y", "lower_z",
                                                "upper_x", "upper_y", "upper_z"};
@@ -77,7 +82,8 @@ enum class Dimension {
   kQueryRow,
   kAnswer,
   kVertex,
-  kCoordinate
+  kCoordinate,
+  kCounter
 };
 
 struct DimensionInfo {
@@ -109,6 +115,7 @@ inline constexpr DimensionInfo kDimensions[] = {
      .units = "1 m 1 1 1"},
     {.name = "vertex", .doc = "node of a soft body, in the order of its object and within it"},
     {.name = "coordinate", .doc = "coordinate of a node", .labels = kCoordinates},
+    {.name = "counter", .doc = "event of the processor or the system", .labels = kCounters},
 };
 constexpr const DimensionInfo& InfoOf(Dimension dimension) {
   return kDimensions[static_cast<std::size_t>(dimension)];
@@ -150,7 +157,8 @@ enum class SeriesShape {
   kSample,  ///< errors, which are not part of a recording
   kQuery,   ///< a value for each type of query and each cycle
   kAnswer,
-  kVertex,  ///< a position of each node of the soft bodies
+  kVertex,   ///< a position of each node of the soft bodies
+  kCounter,  ///< a value for each counter, phase and cycle
 };
 std::span<const Dimension> DimensionsOf(SeriesShape shape);
 
@@ -195,6 +203,7 @@ using Soft = OnSoft;
 // clang-format off
 inline constexpr auto kRows = std::to_array<Series>({
     {.name = "duration", .records = "timing", .shape = kPhase, .unit = "ns", .doc = "time of each phase of a cycle", .on_traces = kBoth, .on_configurations = kYes, .on_soft = Soft::kYes},
+    {.name = "counters", .records = "counters", .shape = kCounter, .doc = "events of the thread in user mode, in each phase of a cycle; no value where the machine does not count them", .on_traces = kBoth, .on_soft = Soft::kYes, .may_be_none = true},
     {.name = "pairs", .records = "counts stability", .type = kInt32, .doc = "potentially colliding pairs of the broad phase", .on_traces = kBoth, .on_configurations = kYes, .on_soft = Soft::kYes},
     {.name = "manifolds", .records = "counts stability", .type = kInt32, .doc = "contact manifolds that hold a point", .on_traces = kNarrow, .on_configurations = kYes},
     {.name = "contacts", .records = "counts contacts stability", .type = kInt32, .doc = "contact points", .on_traces = kNarrow, .on_configurations = kYes, .on_soft = Soft::kYes},

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "runtime/cli/options/subcommand.h"
+#include "runtime/protocol/machine/event_counters.h"
 #include "runtime/protocol/machine/machine.h"
 #include "runtime/protocol/machine/noise.h"
 #include "runtime/terminal/console.h"
@@ -48,10 +49,22 @@ std::vector<machine::MachineFact> FactsOf(const machine::NoiseFloor& floor) {
   return facts;
 }
 
+/// What `record counters` can count.
+machine::MachineFact CounterFact() {
+  const machine::EventCounters counters;
+  const std::string missing = machine::MissingText(counters.missing());
+  return {"counters",
+          missing.empty()            ? "all"
+          : counters.CountsNothing() ? fmt::format("none: {}", missing)
+                                     : fmt::format("without {}", missing),
+          ""};
+}
+
 options::ExitStatus Examine() {
   std::vector<machine::MachineFact> facts = machine::LookAtMachine();
   const machine::NoiseFloor floor = machine::MeasureNoiseFloor(kSeconds);
   for (machine::MachineFact& fact : FactsOf(floor)) facts.push_back(std::move(fact));
+  facts.push_back(CounterFact());
   int doubts = 0;
   for (const machine::MachineFact& fact : facts) {
     const bool is_good = fact.remedy.empty();

@@ -237,4 +237,10 @@ QueryFigures QueriesOf(const results::ResultFile& file,
           .normal_error = total("hit_normal_error").largest};
 }
 
+double CounterOf(const results::ResultFile& file, std::span<const MeasuredPoint* const> points,
+                 schema::Counter counter, protocol::Phase phase) {
+  return TotalOf(points, [&](const Cell& cell) { return file.ReadCounter(counter, phase, cell); })
+      .Mean();
+}
+
 }  // namespace cdb::figures

@@ -149,4 +149,9 @@ bool HasQueries(const results::ResultFile& file);
 QueryFigures QueriesOf(const results::ResultFile& file,
                        std::span<const MeasuredPoint* const> points, schema::QueryType type);
 
+/// The mean number of events of a phase in a cycle, over points and their repeats. NaN: the machine
+/// did not count them. Throws StoreError.
+double CounterOf(const results::ResultFile& file, std::span<const MeasuredPoint* const> points,
+                 schema::Counter counter, protocol::Phase phase);
+
 }  // namespace cdb::figures

@@ -77,6 +77,7 @@ class PointColumns {
     if (model_.HasTimes()) AddTimes(columns);
     if (!IsLarge(model_)) AddCounts(columns);
     if (!IsLarge(model_)) AddQueries(columns);
+    if (!IsLarge(model_)) AddCounters(columns);
     AddErrors(columns);
     Json all = {{"at", IsLarge(model_) ? FlatIndices() : Column([](const GridPoint& point) -> Json {
                    return point.at;
@@ -192,6 +193,19 @@ class PointColumns {
     for (const std::string& name : DocumentedMemory(model_))
       all["memory"][name] =
           MeasuredColumn([&](const MeasuredPoint& point) { return model_.MemoryOf(point, name); });
+  }
+
+  /// Of each event and phase.
+  void AddCounters(Json& all) const {
+    if (!file_.Has("counters")) return;
+    for (std::size_t i = 0; i < protocol::kCounterCount; ++i)
+      for (std::size_t phase = 0; phase < protocol::kPhaseCount; ++phase)
+        all["counters"][std::string(schema::kCounters[i])][std::string(schema::kPhases[phase])] =
+            MeasuredColumn([&, i, phase](const MeasuredPoint& point) {
+              const MeasuredPoint* const points[] = {&point};
+              return figures::CounterOf(file_, points, static_cast<schema::Counter>(i),
+                                        static_cast<protocol::Phase>(phase));
+            });
   }
 
   /// Of each type of queries.

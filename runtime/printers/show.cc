@@ -63,6 +63,7 @@ Document Brief(const figures::Model& model) {
   AddPhases(model, by.front(), {}, tables);
   if (!tables.empty()) document.push_back(std::move(tables.front()));
   AddPairs(model, by.front(), document);
+  AddCounters(model, by.front(), {protocol::Phase::kStep}, document);
   AddQueries(model, by.front(), document);
   AddConfigurations(model, by.front(), document);
   AddBudget(model, false, document);  // the answer is in the head
@@ -89,6 +90,7 @@ Printed Show(const results::ResultFile& file, const ShowOptions& options) {
   for (const auto& by : ChooseTables(model, asked)) {
     AddPhases(model, by, options.phases, document);
     AddPairs(model, by, document);
+    AddCounters(model, by, options.phases, document);
     AddQueries(model, by, document);
     AddConfigurations(model, by, document);
   }

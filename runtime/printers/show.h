@@ -162,6 +162,12 @@ void AddPhases(const figures::Model& model, const std::vector<std::size_t>& by,
 /// `by`.
 void AddPairs(const figures::Model& model, const std::vector<std::size_t>& by, Document& document);
 
+/// A table of the processor's and the system's events in each of `phases` (all if it is empty), or
+/// a note if no machine counted any. A row for each value on the axes `by`. None for a file without
+/// counters.
+void AddCounters(const figures::Model& model, const std::vector<std::size_t>& by,
+                 const std::vector<protocol::Phase>& phases, Document& document);
+
 /// A table for each type of queries, if there are any: counts, hits and times in a cycle, and
 /// errors against exact answers. A row for each value on the axes `by`.
 void AddQueries(const figures::Model& model, const std::vector<std::size_t>& by,

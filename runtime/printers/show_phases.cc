@@ -1,6 +1,7 @@
 // The time of each phase of a cycle, for `cdb show`.
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -161,6 +162,92 @@ void AddPhases(const figures::Model& model, const std::vector<std::size_t>& by,
                const std::vector<Phase>& phases, Document& document) {
   if (model.points().empty() || (!model.HasTimes() && !model.file().Has("pairs"))) return;
   PhaseTables(model, by, phases).AddTo(document);
+}
+
+// Events that `record counters` counted, for `cdb show`.
+
+namespace {
+
+constexpr Phase kAllPhases[] = {Phase::kBroad, Phase::kNarrow,    Phase::kDetect,
+                                Phase::kSolve, Phase::kIntegrate, Phase::kStep};
+
+class CounterTables {
+ public:
+  CounterTables(const figures::Model& model, const std::vector<std::size_t>& by)
+      : model_(model), rows_(figures::MatchRows(model.points(), by)) {
+    for (std::size_t i = 0; i < protocol::kCounterCount; ++i)
+      (IsCounted(static_cast<schema::Counter>(i)) ? counted_ : missing_)
+          .push_back(static_cast<schema::Counter>(i));
+  }
+
+  /// Without a table if the phase was not measured.
+  void AddPhase(Phase phase, Document& document) const {
+    RowTable table(model_.file(), rows_);
+    for (const schema::Counter counter : counted_) table.AddColumn(NameOf(counter));
+    const bool has_rate =
+        Counts(schema::Counter::kInstructions) && Counts(schema::Counter::kCpuCycles);
+    if (has_rate) table.AddColumn("per cpu_cycle");
+    bool has_rows = false;
+    for (const Row& row : rows_.rows) {
+      const auto count_of = [&](schema::Counter counter) {
+        return figures::CounterOf(model_.file(), row.points, counter, phase);
+      };
+      std::vector<std::string> figures;
+      for (const schema::Counter counter : counted_) {
+        const double count = count_of(counter);
+        has_rows = has_rows || !std::isnan(count);
+        figures.push_back(std::isnan(count) ? "-" : terminal::ShortNumber(count));
+      }
+      if (has_rate)
+        figures.push_back(terminal::ShortNumber(count_of(schema::Counter::kInstructions) /
+                                                count_of(schema::Counter::kCpuCycles)));
+      table.AddRow(row, figures);
+    }
+    if (!has_rows) return;
+    document.push_back(
+        {.title = fmt::format("Events of {} in a cycle, the mean", figures::PhaseName(phase)),
+         .table = table.Take()});
+  }
+
+  std::string MissingNote() const {
+    if (missing_.empty()) return {};
+    std::vector<std::string_view> names;
+    for (const schema::Counter counter : missing_) names.push_back(NameOf(counter));
+    return fmt::format(
+        "{}: not counted by the machine of these runs; most virtual machines have no such counters "
+        "(cdb doc counters).",
+        fmt::join(names, ", "));
+  }
+
+ private:
+  static std::string_view NameOf(schema::Counter counter) {
+    return schema::kCounters[static_cast<std::size_t>(counter)];
+  }
+  bool Counts(schema::Counter counter) const {
+    return std::ranges::find(counted_, counter) != counted_.end();
+  }
+  bool IsCounted(schema::Counter counter) const {
+    return std::ranges::any_of(rows_.rows, [&](const Row& row) {
+      return !std::isnan(figures::CounterOf(model_.file(), row.points, counter, Phase::kStep));
+    });
+  }
+
+  const figures::Model& model_;
+  const figures::Rows rows_;
+  std::vector<schema::Counter> counted_, missing_;
+};
+
+}  // namespace
+
+void AddCounters(const figures::Model& model, const std::vector<std::size_t>& by,
+                 const std::vector<Phase>& phases, Document& document) {
+  if (model.points().empty() || !model.file().Has("counters")) return;
+  const CounterTables tables(model, by);
+  for (const Phase phase :
+       phases.empty() ? std::vector(std::begin(kAllPhases), std::end(kAllPhases)) : phases)
+    tables.AddPhase(phase, document);
+  std::string note = tables.MissingNote();
+  if (!note.empty()) document.push_back({.lines = {std::move(note)}});
 }
 
 // Small plots of characters, for `cdb show --plot`.

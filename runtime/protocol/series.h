@@ -54,6 +54,7 @@ inline constexpr std::size_t kPhaseCount = std::size(schema::kPhases);
 constexpr std::size_t IndexOf(Phase phase) { return static_cast<std::size_t>(phase); }
 inline std::span<const std::string_view> PhaseNames() { return schema::kPhases; }
 
+inline constexpr std::size_t kCounterCount = std::size(schema::kCounters);
 inline constexpr std::size_t kQueryTypeCount = std::size(schema::kQueryTypes);
 inline constexpr std::size_t kAnswerSize = std::size(schema::kAnswerParts);
 inline constexpr std::size_t kPoseSize = std::size(schema::kPoseParts);

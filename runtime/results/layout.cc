@@ -49,9 +49,8 @@ class Maker {
     if (facts_.boxes) AddBoxDimensions();
     if (std::ranges::any_of(facts_.series, [](const auto* series) { return series->of_queries; }))
       AddQueryDimensions();
-    if (std::ranges::any_of(facts_.series, [](const auto* series) {
-          return series->shape == protocol::SeriesShape::kVertex;
-        })) {
+    if (HasSeriesOf(protocol::SeriesShape::kCounter)) AddLabelled(protocol::Dimension::kCounter);
+    if (HasSeriesOf(protocol::SeriesShape::kVertex)) {
       AddCounted("", protocol::Dimension::kVertex, facts_.nodes);
       AddLabelled(protocol::Dimension::kCoordinate);
     }
@@ -186,6 +185,10 @@ class Maker {
   void AddCounted(const std::string& group, protocol::Dimension dimension, std::uint64_t size) {
     const protocol::DimensionInfo& info = protocol::InfoOf(dimension);
     AddDimension(group, Counted(std::string(info.name), size, std::string(info.doc)));
+  }
+
+  bool HasSeriesOf(protocol::SeriesShape shape) const {
+    return std::ranges::find(facts_.series, shape, &protocol::Series::shape) != facts_.series.end();
   }
 
   void AddLabelled(protocol::Dimension dimension) {

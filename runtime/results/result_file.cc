@@ -206,12 +206,12 @@ struct ResultFile::Impl {
     return values;
   }
 
-  /// The cycles of one of the `rows` of a series.
-  std::vector<double> Row(std::string_view dataset, std::size_t row, std::size_t rows,
+  /// The cycles of one of the rows of a series; `inner`: its dimensions before the cycle.
+  std::vector<double> Row(std::string_view dataset, std::size_t row, hdf5::Shape inner,
                           const Cell& cell) {
-    CDB_CHECK(row < rows);
+    inner.push_back(cycles);
     return Reading([&] {
-      const std::vector<double>& block = Block(dataset, cell, {rows, cycles});
+      const std::vector<double>& block = Block(dataset, cell, inner);
       const std::size_t count = CyclesOf(cell);
       const auto begin = block.begin() + static_cast<long>(row * count);
       return std::vector(begin, begin + static_cast<long>(count));
@@ -470,12 +470,19 @@ std::vector<double> ResultFile::ReadSeries(std::string_view dataset, const Cell&
 }
 
 std::vector<double> ResultFile::ReadDuration(protocol::Phase phase, const Cell& cell) const {
-  return impl_->Row("duration", protocol::IndexOf(phase), protocol::kPhaseCount, cell);
+  return impl_->Row("duration", protocol::IndexOf(phase), {protocol::kPhaseCount}, cell);
 }
 
 std::vector<double> ResultFile::ReadOfQueries(std::string_view dataset, schema::QueryType type,
                                               const Cell& cell) const {
-  return impl_->Row(dataset, static_cast<std::size_t>(type), protocol::kQueryTypeCount, cell);
+  return impl_->Row(dataset, static_cast<std::size_t>(type), {protocol::kQueryTypeCount}, cell);
+}
+
+std::vector<double> ResultFile::ReadCounter(schema::Counter counter, protocol::Phase phase,
+                                            const Cell& cell) const {
+  const std::size_t row =
+      static_cast<std::size_t>(counter) * protocol::kPhaseCount + protocol::IndexOf(phase);
+  return impl_->Row("counters", row, {protocol::kCounterCount, protocol::kPhaseCount}, cell);
 }
 
 std::vector<double> ResultFile::ReadSamples(std::string_view dataset, const Cell& cell) const {

@@ -165,6 +165,9 @@ class ResultFile {
   /// A series with a value for each type of query, of one type, in each cycle.
   std::vector<double> ReadOfQueries(std::string_view dataset, schema::QueryType type,
                                     const Cell& cell) const;
+  /// The counts of an event in a phase, in each cycle.
+  std::vector<double> ReadCounter(schema::Counter counter, protocol::Phase phase,
+                                  const Cell& cell) const;
   /// One series of /accuracy (schema::ErrorInfo::series) of a cell, at each sample.
   std::vector<double> ReadSamples(std::string_view dataset, const Cell& cell) const;
   /// One cycle of a series with several values in each (`poses`, `boxes`), with the last dimension

@@ -21,6 +21,7 @@
 #include "runtime/figures/bootstrap.h"
 #include "runtime/figures/model.h"
 #include "runtime/figures/searches/searches.h"
+#include "runtime/protocol/machine/event_counters.h"
 #include "runtime/protocol/machine/machine.h"
 #include "runtime/protocol/series.h"
 #include "runtime/results/files/safe_file.h"
@@ -53,6 +54,14 @@ void PlanRunner::WarnOfLoad(const plan::Plan& plan) const {
       stderr,
       "cdb: warning: load {:.1f} on {:.0f} processor{}: other programs disturb the timings\n", load,
       processors, processors == 1 ? "" : "s");
+}
+
+/// Where the runs may be made on this machine.
+void PlanRunner::WarnOfCounters(const plan::Plan& plan) const {
+  if (options_.is_quiet || !plan.Records("counters")) return;
+  const std::string missing = machine::MissingText(machine::EventCounters().missing());
+  if (!missing.empty())
+    terminal::Say(fmt::format("cdb: warning: this machine does not count {}\n", missing));
 }
 
 PlanRunner::PlanRunner(PlanRunnerOptions options)
@@ -212,6 +221,7 @@ ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) co
   }
   FolderLock lock(folder);
   WarnOfLoad(plan);
+  WarnOfCounters(plan);
   std::optional<KeptRuns> kept;
   if (has_results) kept.emplace(out, RetryChoice());
   schedule::ExecuteOptions execute =
@@ -278,6 +288,7 @@ ExecutedPlan PlanRunner::Retry(const SizedPlan& sized, const fs::path& out,
   if (FindStartedRetry(folder).Words() != retry.Words())
     journal::Ask(folder, plan.Sha256(), journal::kRetry, retry.Text());
   WarnOfLoad(plan);
+  WarnOfCounters(plan);
   schedule::ExecuteOptions execute;
   execute.folder = folder;
   execute.find_elsewhere = [&kept](const plan::Run& run) { return kept.Find(run); };

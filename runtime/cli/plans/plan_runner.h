@@ -123,6 +123,7 @@ class PlanRunner {
   schedule::Summary ExecuteRuns(const SizedPlan& plan, schedule::ExecuteOptions execute) const;
   void SayStopped(const SizedPlan& plan, const ExecutedPlan& end) const;
   void WarnOfLoad(const plan::Plan& plan) const;
+  void WarnOfCounters(const plan::Plan& plan) const;
 
   PlanRunnerOptions options_;
   results::Provenance provenance_;

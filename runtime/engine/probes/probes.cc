@@ -130,12 +130,8 @@ void Probes::SetScales() {
 }
 
 void Probes::Record(std::uint64_t cycle) {
-  if (const auto all = recording_.Reals("duration");
-      !all.empty() && engine_.timed_world() != nullptr) {
-    const auto durations = engine_.timed_world()->Durations();
-    for (std::size_t phase = 0; phase < durations.size(); ++phase)
-      all[phase * cycles_ + cycle] = durations[phase];
-  }
+  if (engine_.timed_world() != nullptr)
+    world::RecordPhases(engine_.timed_world()->Phases(), cycle, recording_);
   // First, because the following may use the heap.
   if (!recording_.Reals("heap").empty()) recording_.Put("heap", cycle, HeapBytes());
   recording_.Put("pairs", cycle, engine_.world().getPairCache()->getNumOverlappingPairs());

@@ -264,11 +264,7 @@ void SoftProbes::Begin() {
 }
 
 void SoftProbes::Record(std::uint64_t cycle) {
-  if (const auto all = recording_.Reals("duration"); !all.empty()) {
-    const auto durations = world_.clock().Durations();
-    for (std::size_t phase = 0; phase < durations.size(); ++phase)
-      all[phase * cycles_ + cycle] = durations[phase];
-  }
+  world::RecordPhases(world_.clock().Phases(), cycle, recording_);
   // First, because the following may use the heap.
   if (!recording_.Reals("heap").empty()) recording_.Put("heap", cycle, probes::HeapBytes());
   recording_.Put("pairs", cycle, world_.world().getPairCache()->getNumOverlappingPairs());

@@ -16,6 +16,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "compiler/analysis/recorded.h"
 #include "compiler/analysis/reference.h"
 #include "library/layouts/number_range.h"
 #include "library/layouts/soft_nodes.h"
@@ -268,19 +269,20 @@ Vector3d Drive::PlaceAt(std::size_t i, double time) const {
 }
 
 void PhaseClock::Begin(Phase phase) {
-  if (is_on_) begin_[protocol::IndexOf(phase)] = world::Now();
+  if (is_on_) begin_[protocol::IndexOf(phase)] = world::TakeStamp();
 }
 
 void PhaseClock::End(Phase phase) {
-  if (is_on_) spent_[protocol::IndexOf(phase)] += world::Now() - begin_[protocol::IndexOf(phase)];
+  const std::size_t i = protocol::IndexOf(phase);
+  if (is_on_) spent_[i] = spent_[i] + (world::TakeStamp() - begin_[i]);
 }
 
-std::array<double, protocol::kPhaseCount> PhaseClock::Durations() const {
-  std::array<double, protocol::kPhaseCount> durations = {};
-  for (std::size_t i = 0; i < durations.size(); ++i) durations[i] = static_cast<double>(spent_[i]);
-  durations[protocol::IndexOf(Phase::kDetect)] =
-      durations[protocol::IndexOf(Phase::kBroad)] + durations[protocol::IndexOf(Phase::kNarrow)];
-  return durations;
+world::PhaseStamps PhaseClock::Phases() const {
+  world::PhaseStamps phases = {};
+  std::ranges::copy(spent_, phases.begin());
+  phases[protocol::IndexOf(Phase::kDetect)] =
+      spent_[protocol::IndexOf(Phase::kBroad)] + spent_[protocol::IndexOf(Phase::kNarrow)];
+  return phases;
 }
 
 SoftWorld::SoftWorld(const plan::Scene& scene, layouts::InitialState state)
@@ -293,7 +295,7 @@ SoftWorld::SoftWorld(const plan::Scene& scene, layouts::InitialState state)
       configuration_(std::make_unique<btSoftBodyRigidBodyCollisionConfiguration>()),
       dispatcher_(std::make_unique<TimedDispatcher>(configuration_.get(), clock_)) {
   layouts::CheckRange(scene_, state_);
-  if (scene_.world.Lists("record", "timing")) clock_.Enable();
+  if (analysis::MeasuresPhases(scene_)) clock_.Enable();
   const auto reach = static_cast<btScalar>(Reach(scene_, state_));
   const btVector3 corner(reach, reach, reach), gravity = ToBullet(state_.acceleration);
   broad_phase_ = detection::MakeBroadPhase({.detector = scene_.world.WordOr("detector"),

@@ -30,13 +30,14 @@
 #include "compiler/plan/plan.h"
 #include "library/layouts/initial_state.h"
 #include "runtime/engine/soft/material.h"
+#include "runtime/engine/world/clock.h"
 #include "runtime/engine/world/engine.h"
 #include "runtime/engine/world/shapes.h"
 #include "runtime/protocol/series.h"
 
 namespace cdb::soft {
 
-/// Nanoseconds of the phases of a step.
+/// What the phases of a step take.
 class PhaseClock {
  public:
   using Phase = protocol::Phase;
@@ -44,14 +45,14 @@ class PhaseClock {
   void Enable() { is_on_ = true; }
   bool is_on() const { return is_on_; }
   void Begin(Phase phase);
-  /// Adds the time since Begin of the phase.
+  /// Adds what was spent since Begin of the phase.
   void End(Phase phase);
   void Reset() { spent_ = {}; }
-  std::array<double, protocol::kPhaseCount> Durations() const;
+  world::PhaseStamps Phases() const;
 
  private:
   bool is_on_ = false;
-  std::array<std::int64_t, protocol::kPhaseCount> begin_ = {}, spent_ = {};
+  std::array<world::Stamp, protocol::kPhaseCount> begin_ = {}, spent_ = {};
 };
 
 /// One of Bullet's worlds with soft bodies.

@@ -122,7 +122,6 @@ class Replay {
 
   void Time() {
     protocol::RecordingHeader& header = recording_.header();
-    const auto duration = recording_.Reals("duration");
     const bool records_heap = !recording_.Reals("heap").empty();
     const std::int64_t build_begin = world::Now();
     const detection::NamedDetector detector = Prepared();
@@ -132,9 +131,9 @@ class Replay {
       if (i == warmup_) processor_time.emplace();
       traced_.MoveTo(i);
       pairs_.clear();
-      const std::int64_t begin = world::Now();
+      const world::Stamp begin = world::TakeStamp();
       detector.detector->FindPairs(traced_.scene(), pairs_);
-      const std::int64_t end = world::Now();
+      const world::Stamp spent = world::TakeStamp() - begin;
       PutInShape(traced_, detector.name, pairs_);
       // The same filter as in the engine.
       std::erase_if(pairs_, [this](const Pair& pair) {
@@ -143,10 +142,11 @@ class Replay {
       if (i < warmup_) continue;
       const std::uint64_t cycle = i - warmup_;
       if (records_heap) recording_.Put("heap", cycle, probes::HeapBytes());
-      if (!duration.empty())
-        for (const protocol::Phase phase :
-             {protocol::Phase::kBroad, protocol::Phase::kDetect, protocol::Phase::kStep})
-          duration[protocol::IndexOf(phase) * cycles_ + cycle] = static_cast<double>(end - begin);
+      world::PhaseStamps phases = {};
+      for (const protocol::Phase phase :
+           {protocol::Phase::kBroad, protocol::Phase::kDetect, protocol::Phase::kStep})
+        phases[protocol::IndexOf(phase)] = spent;
+      world::RecordPhases(phases, cycle, recording_);
       recording_.Put("pairs", cycle, SeriesCount(pairs_.size()));
       header.cycles_done.store(cycle + 1, std::memory_order_release);
     }

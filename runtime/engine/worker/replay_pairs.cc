@@ -46,7 +46,7 @@ class RecordedPairs final : public Detector {
 class Clocked final : public Detector {
  public:
   explicit Clocked(std::shared_ptr<Detector> detector) : detector_(std::move(detector)) {}
-  std::int64_t spent_ns = 0;  ///< in the last call
+  world::Stamp spent;  ///< in the last call
 
   void Prepare(const Scene& scene) override { detector_->Prepare(scene); }
   bool Handles(const Scene& scene, Id a, Id b) const override {
@@ -54,9 +54,9 @@ class Clocked final : public Detector {
   }
   void FindContacts(const Scene& scene, std::span<const Pair> pairs,
                     std::vector<Contact>& contacts) override {
-    const std::int64_t begin = world::Now();
+    const world::Stamp begin = world::TakeStamp();
     detector_->FindContacts(scene, pairs, contacts);
-    spent_ns = world::Now() - begin;
+    spent = world::TakeStamp() - begin;
   }
 
  private:
@@ -133,22 +133,22 @@ class PairWorld {
   world::Engine& engine() { return *engine_; }
   const std::vector<Pair>& pairs() const { return recorded_pairs_->pairs; }
 
-  /// Puts the bodies where they were in the cycle, and finds their contacts. Returns the time of
-  /// the narrow phase, ns.
-  std::int64_t Detect(std::uint64_t cycle) {
+  /// Puts the bodies where they were in the cycle, and finds their contacts. Returns what the
+  /// narrow phase took.
+  world::Stamp Detect(std::uint64_t cycle) {
     Place(cycle);
     TakePairs(cycle);
     if (clocked_ != nullptr) ForgetContacts(/*of_detector=*/true);
     btDispatcher& dispatcher = *engine_->world().getDispatcher();
     btOverlappingPairCache& cache = *engine_->world().getPairCache();
-    const std::int64_t clean_begin = world::Now();
+    const world::Stamp clean_begin = world::TakeStamp();
     for (btBroadphasePair* pair : gone_) cache.cleanOverlappingPair(*pair, &dispatcher);
-    const std::int64_t clean_end = world::Now();
+    const world::Stamp clean_end = world::TakeStamp();
     engine_->world().getBroadphase()->calculateOverlappingPairs(&dispatcher);
-    const std::int64_t begin = world::Now();
+    const world::Stamp begin = world::TakeStamp();
     dispatcher.dispatchAllCollisionPairs(&cache, engine_->world().getDispatchInfo(), &dispatcher);
-    const std::int64_t end = world::Now();
-    return clocked_ != nullptr ? clocked_->spent_ns : clean_end - clean_begin + end - begin;
+    const world::Stamp end = world::TakeStamp();
+    return clocked_ != nullptr ? clocked_->spent : (clean_end - clean_begin) + (end - begin);
   }
 
   /// The pairs of the cycle that the narrow phase does not handle.
@@ -270,7 +270,6 @@ class PairReplay {
 
   void Time() {
     protocol::RecordingHeader& header = recording_.header();
-    const auto duration = recording_.Reals("duration");
     const bool records_heap = !recording_.Reals("heap").empty();
     const std::int64_t build_begin = world::Now();
     PairWorld world(run_.scene, trace_, recorded_);
@@ -278,14 +277,15 @@ class PairReplay {
     std::optional<probes::ProcessorTime> processor_time;
     for (std::uint64_t i = 0; i < warmup_ + cycles_; ++i) {
       if (i == warmup_) processor_time.emplace();
-      const std::int64_t spent = world.Detect(i);
+      const world::Stamp spent = world.Detect(i);
       if (i < warmup_) continue;
       const std::uint64_t cycle = i - warmup_;
       if (records_heap) recording_.Put("heap", cycle, probes::HeapBytes());
-      if (!duration.empty())
-        for (const protocol::Phase phase :
-             {protocol::Phase::kNarrow, protocol::Phase::kDetect, protocol::Phase::kStep})
-          duration[protocol::IndexOf(phase) * cycles_ + cycle] = static_cast<double>(spent);
+      world::PhaseStamps phases = {};
+      for (const protocol::Phase phase :
+           {protocol::Phase::kNarrow, protocol::Phase::kDetect, protocol::Phase::kStep})
+        phases[protocol::IndexOf(phase)] = spent;
+      world::RecordPhases(phases, cycle, recording_);
       recording_.Put("pairs", cycle, SeriesCount(world.pairs().size()));
       recording_.Put("unhandled_pairs", cycle, SeriesCount(world.CountUnhandled()));
       RecordContacts(world.engine().world(), cycle, recording_);
@@ -296,7 +296,7 @@ class PairReplay {
     header.scalars.peak_rss_bytes = probes::PeakRssBytes();
     // Overhead of a cycle: its time stamps.
     header.scalars.harness_ns = MedianNs([] {
-      for (int stamp = 0; stamp < 2; ++stamp) static_cast<void>(world::Now());
+      for (int stamp = 0; stamp < 2; ++stamp) static_cast<void>(world::TakeStamp());
     });
   }
 

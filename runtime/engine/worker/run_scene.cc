@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "compiler/analysis/queries.h"
+#include "compiler/analysis/recorded.h"
 #include "compiler/analysis/reference.h"
 #include "compiler/yaml/plan_yaml.h"
 #include "library/confinement.h"
@@ -63,7 +64,7 @@ bool ComparesQueries(const plan::Scene& scene) {
 bool WantsSecondPass(const plan::Scene& scene) {
   return analysis::SamplingOf(scene) ||
          ((RecordsPairs(scene) || ComparesQueries(scene)) &&
-          (scene.world.Lists("record", "timing") || scene.world.Lists("record", "memory")));
+          (analysis::MeasuresPhases(scene) || scene.world.Lists("record", "memory")));
 }
 
 void RunCycles(const plan::Scene& scene, world::Engine& engine, protocol::Recording& recording,
@@ -235,9 +236,9 @@ double HarnessNs(const plan::Scene& scene, const world::Engine& engine) {
   bodies.size = engine.objects().size() + engine.walls().size();
   std::vector<Pair> pairs;
   std::vector<Contact> contacts;
-  std::array<std::int64_t, world::TimedWorld::kStamps> stamps = {};
+  std::array<world::Stamp, world::TimedWorld::kStamps> stamps = {};
   return MedianNs([&] {
-    for (std::int64_t& stamp : stamps) stamp = world::Now();
+    for (world::Stamp& stamp : stamps) stamp = world::TakeStamp();
     idle.detector->FindPairs(bodies, pairs);
     idle.detector->FindContacts(bodies, pairs, contacts);
   });

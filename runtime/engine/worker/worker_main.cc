@@ -119,6 +119,7 @@ void RunWorker(Streams streams, const Kept& kept) {
   } else {
     try {
       if (plan::CountsInstructions(run.scene)) CountInstructions(run.scene);
+      if (run.scene.world.Lists("record", "counters")) world::CountEvents();
       if (analysis::HasConfigurations(run.scene)) {
         RunConfigurations(run, recording, streams);
       } else if (analysis::HasSoft(run.scene)) {

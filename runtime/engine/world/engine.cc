@@ -15,6 +15,7 @@
 #include "compiler/analysis/configurations.h"
 #include "compiler/analysis/joints.h"
 #include "compiler/analysis/population.h"
+#include "compiler/analysis/recorded.h"
 #include "compiler/analysis/reference.h"
 #include "compiler/schema/parametrised_words.h"
 #include "dsl/text/check.h"
@@ -342,7 +343,7 @@ void Engine::CutPlanes() {
 }
 
 void Engine::MakeWorld() {
-  if (scene_.world.Lists("record", "timing")) {
+  if (analysis::MeasuresPhases(scene_)) {
     auto world = std::make_unique<TimedWorld>(dispatcher_.get(), broad_phase_.get(), solver_.get(),
                                               &configuration_, omissions_);
     timed_world_ = world.get();

@@ -3,6 +3,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <charconv>
@@ -20,11 +21,15 @@
 namespace cdb::world {
 namespace {
 
-int g_log = -1;
 /// Whether a count could not be read.
 bool g_has_lost_count = false;
+/// Null: stamps have no counts.
+const machine::EventCounters* g_counters = nullptr;
 
 #if CDB_HAS_VALGRIND
+/// Valgrind's, once it is the clock.
+int g_log = -1;
+
 /// The count in the answer to `status internal`: `events-1: 122514`, with the number of the thread.
 /// -1: there is none.
 std::int64_t CountIn(std::string_view answer) {
@@ -105,48 +110,87 @@ void RequireCounts() {
         "of instructions are not known; run it again");
 }
 
+Stamp operator-(const Stamp& later, const Stamp& earlier) {
+  Stamp between = {.time = later.time - earlier.time};
+  for (std::size_t i = 0; i < between.counts.size(); ++i)
+    between.counts[i] = later.counts[i] - earlier.counts[i];
+  return between;
+}
+
+Stamp operator+(const Stamp& a, const Stamp& b) {
+  Stamp sum = {.time = a.time + b.time};
+  for (std::size_t i = 0; i < sum.counts.size(); ++i) sum.counts[i] = a.counts[i] + b.counts[i];
+  return sum;
+}
+
+Stamp TakeStamp() {
+  Stamp stamp;
+  if (g_counters != nullptr) stamp.counts = g_counters->Read();
+  stamp.time = Now();
+  return stamp;
+}
+
+void CountEvents() {
+  static const machine::EventCounters counters;
+  g_counters = &counters;
+}
+
+void RecordPhases(const PhaseStamps& phases, std::uint64_t cycle, protocol::Recording& recording) {
+  const auto durations = recording.Reals("duration"), counters = recording.Reals("counters");
+  const std::size_t cycles =
+      std::max(durations.size(), counters.size() / protocol::kCounterCount) / protocol::kPhaseCount;
+  for (std::size_t phase = 0; phase < phases.size(); ++phase) {
+    if (!phases[phase]) continue;
+    if (!durations.empty())
+      durations[phase * cycles + cycle] = static_cast<double>(phases[phase]->time);
+    if (counters.empty()) continue;
+    for (std::size_t i = 0; i < protocol::kCounterCount; ++i)
+      counters[(i * phases.size() + phase) * cycles + cycle] = phases[phase]->counts[i];
+  }
+}
+
 void TimedWorld::TimedStep(btScalar timestep) {
-  stamps_.step_begin = Now();
+  stamps_.step_begin = TakeStamp();
   stepSimulation(timestep, 1, timestep);
-  stamps_.step_end = Now();
+  stamps_.step_end = TakeStamp();
 }
 
 void TimedWorld::TimedDetection() {
   stamps_ = {};
-  stamps_.step_begin = Now();
+  stamps_.step_begin = TakeStamp();
   performDiscreteCollisionDetection();
-  stamps_.step_end = Now();
+  stamps_.step_end = TakeStamp();
 }
 
 void TimedWorld::performDiscreteCollisionDetection() {
   const bool detects = !Omits(schema::Component::kDetection);
-  stamps_.detect_begin = Now();
+  stamps_.detect_begin = TakeStamp();
   if (detects) {
     updateAabbs();
     computeOverlappingPairs();
   }
-  stamps_.broad_end = Now();
+  stamps_.broad_end = TakeStamp();
   if (detects)
     getDispatcher()->dispatchAllCollisionPairs(getPairCache(), getDispatchInfo(), getDispatcher());
-  stamps_.detect_end = Now();
+  stamps_.detect_end = TakeStamp();
 }
 
 void TimedWorld::solveConstraints(btContactSolverInfo& info) {
-  stamps_.solve_begin = Now();
+  stamps_.solve_begin = TakeStamp();
   LeanWorld::solveConstraints(info);
-  stamps_.solve_end = Now();
+  stamps_.solve_end = TakeStamp();
 }
 
 void TimedWorld::integrateTransforms(btScalar timestep) {
-  stamps_.integrate_begin = Now();
+  stamps_.integrate_begin = TakeStamp();
   LeanWorld::integrateTransforms(timestep);
-  stamps_.integrate_end = Now();
+  stamps_.integrate_end = TakeStamp();
 }
 
-std::array<double, protocol::kPhaseCount> TimedWorld::Durations() const {
-  std::array<double, protocol::kPhaseCount> durations = {};
-  const auto set = [&](protocol::Phase phase, std::int64_t begin, std::int64_t end) {
-    durations[protocol::IndexOf(phase)] = static_cast<double>(end - begin);
+PhaseStamps TimedWorld::Phases() const {
+  PhaseStamps phases = {};
+  const auto set = [&](protocol::Phase phase, const Stamp& begin, const Stamp& end) {
+    phases[protocol::IndexOf(phase)] = end - begin;
   };
   set(protocol::Phase::kBroad, stamps_.detect_begin, stamps_.broad_end);
   set(protocol::Phase::kNarrow, stamps_.broad_end, stamps_.detect_end);
@@ -154,6 +198,14 @@ std::array<double, protocol::kPhaseCount> TimedWorld::Durations() const {
   set(protocol::Phase::kSolve, stamps_.solve_begin, stamps_.solve_end);
   set(protocol::Phase::kIntegrate, stamps_.integrate_begin, stamps_.integrate_end);
   set(protocol::Phase::kStep, stamps_.step_begin, stamps_.step_end);
+  return phases;
+}
+
+std::array<double, protocol::kPhaseCount> TimedWorld::Durations() const {
+  std::array<double, protocol::kPhaseCount> durations = {};
+  std::ranges::transform(Phases(), durations.begin(), [](const std::optional<Stamp>& phase) {
+    return static_cast<double>(phase->time);
+  });
   return durations;
 }
 

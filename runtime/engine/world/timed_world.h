@@ -108,7 +108,9 @@ class TimedWorld final : public LeanWorld {
   void TimedStep(btScalar timestep);
   /// Broad and narrow phase alone, with time stamps; `step` is the time of both.
   void TimedDetection();
-  /// The time of each phase of the last TimedStep, each the difference of its two stamps.
+  /// What each phase of the last TimedStep took, the difference of its two stamps.
+  PhaseStamps Phases() const;
+  /// Its times.
   std::array<double, protocol::kPhaseCount> Durations() const;
 
   void performDiscreteCollisionDetection() override;
@@ -120,10 +122,10 @@ class TimedWorld final : public LeanWorld {
  private:
   /// Adjacent phases share a stamp: broad ends where narrow begins.
   struct Stamps {
-    std::int64_t step_begin, detect_begin, broad_end, detect_end;
-    std::int64_t solve_begin, solve_end, integrate_begin, integrate_end, step_end;
+    Stamp step_begin, detect_begin, broad_end, detect_end;
+    Stamp solve_begin, solve_end, integrate_begin, integrate_end, step_end;
   };
-  static_assert(sizeof(Stamps) == kStamps * sizeof(std::int64_t));
+  static_assert(sizeof(Stamps) == kStamps * sizeof(Stamp));
   Stamps stamps_ = {};
 };
 

@@ -1,0 +1,144 @@
+#include "runtime/protocol/machine/event_counters.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <linux/perf_event.h>
+#include <sys/ioctl.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+
+namespace cdb::machine {
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr schema::Counter kAll[] = {schema::Counter::kInstructions, schema::Counter::kCpuCycles,
+                                    schema::Counter::kCacheMisses, schema::Counter::kBranchMisses,
+                                    schema::Counter::kPageFaults};
+static_assert(std::size(kAll) == protocol::kCounterCount);
+
+struct Event {
+  std::uint32_t type;
+  std::uint64_t config;
+};
+/// In the order of schema::Counter.
+constexpr Event kEvents[] = {{PERF_TYPE_HARDWARE, PERF_COUNT_HW_INSTRUCTIONS},
+                             {PERF_TYPE_HARDWARE, PERF_COUNT_HW_CPU_CYCLES},
+                             {PERF_TYPE_HARDWARE, PERF_COUNT_HW_CACHE_MISSES},
+                             {PERF_TYPE_HARDWARE, PERF_COUNT_HW_BRANCH_MISSES},
+                             {PERF_TYPE_SOFTWARE, PERF_COUNT_SW_PAGE_FAULTS}};
+static_assert(std::size(kEvents) == protocol::kCounterCount);
+
+bool IsHardware(schema::Counter counter) {
+  return kEvents[static_cast<std::size_t>(counter)].type == PERF_TYPE_HARDWARE;
+}
+
+/// A file descriptor that counts the event from now on, or -1 with errno. `leader`: of its group;
+/// -1 for a new one.
+int OpenEvent(schema::Counter counter, int leader) {
+  const Event event = kEvents[static_cast<std::size_t>(counter)];
+  perf_event_attr attr = {};
+  attr.size = sizeof attr;
+  attr.type = event.type;
+  attr.config = event.config;
+  attr.read_format = PERF_FORMAT_GROUP;
+  // Counting the kernel, too, is a privilege.
+  attr.exclude_kernel = 1;
+  attr.exclude_hv = 1;
+  // Always counts, or is in a state of error, in which reading it ends at once.
+  attr.pinned = leader < 0;
+  return static_cast<int>(syscall(SYS_perf_event_open, &attr, 0, -1, leader, PERF_FLAG_FD_CLOEXEC));
+}
+
+std::string ReasonOf(int error) {
+  switch (error) {
+    case ENOENT:
+    case ENODEV:
+    case EOPNOTSUPP:
+      return "the processor does not show it, as in most virtual machines";
+    case EACCES:
+    case EPERM:
+      return "not permitted: set kernel.perf_event_paranoid to 2 or less by sysctl, or allow "
+             "perf_event_open in the container";
+    case ENOSYS:
+      return "the system has no perf_event_open";
+    default:
+      return std::strerror(error);
+  }
+}
+
+}  // namespace
+
+EventCounters::EventCounters() : EventCounters(kAll) {}
+
+EventCounters::EventCounters(std::span<const schema::Counter> wanted) {
+  std::vector<schema::Counter> counters(wanted.begin(), wanted.end());
+  Open(counters);
+  // A group that does not fit onto the processor's counters does not count at all.
+  while (!members_.empty() && !IsCounting()) {
+    const auto last = std::find_if(members_.rbegin(), members_.rend(),
+                                   [](const Member& one) { return IsHardware(one.counter); });
+    const schema::Counter given_up =
+        last == members_.rend() ? members_.back().counter : last->counter;
+    missing_.push_back({given_up, "the processor cannot count it beside the others"});
+    std::erase(counters, given_up);
+    Close();
+    Open(counters);
+  }
+}
+
+EventCounters::~EventCounters() { Close(); }
+
+void EventCounters::Open(std::span<const schema::Counter> wanted) {
+  for (const schema::Counter counter : wanted) {
+    const int leader = members_.empty() ? -1 : members_.front().fd;
+    if (const int fd = OpenEvent(counter, leader); fd >= 0)
+      members_.push_back({counter, fd});
+    else if (std::ranges::find(missing_, counter, &MissingCounter::counter) == missing_.end())
+      missing_.push_back({counter, ReasonOf(errno)});
+  }
+}
+
+bool EventCounters::IsCounting() const {
+  return std::ranges::any_of(Read(), [](double count) { return count == count; });
+}
+
+void EventCounters::Close() {
+  for (const Member& member : members_) close(member.fd);
+  members_.clear();
+}
+
+Counts EventCounters::Read() const {
+  Counts counts;
+  counts.fill(kNone);
+  if (members_.empty()) return counts;
+  // Their number, and their values in the order in which they were opened.
+  std::array<std::uint64_t, 1 + protocol::kCounterCount> values;
+  const std::size_t size = (1 + members_.size()) * sizeof values[0];
+  if (read(members_.front().fd, values.data(), sizeof values) != static_cast<ssize_t>(size) ||
+      values[0] != members_.size())
+    return counts;
+  for (std::size_t i = 0; i < members_.size(); ++i)
+    counts[static_cast<std::size_t>(members_[i].counter)] = static_cast<double>(values[1 + i]);
+  return counts;
+}
+
+std::string MissingText(std::span<const MissingCounter> missing) {
+  std::vector<std::string> reasons, texts;
+  for (const MissingCounter& one : missing)
+    if (std::ranges::find(reasons, one.why) == reasons.end()) reasons.push_back(one.why);
+  for (const std::string& why : reasons) {
+    std::vector<std::string_view> names;
+    for (const MissingCounter& one : missing)
+      if (one.why == why) names.push_back(schema::kCounters[static_cast<std::size_t>(one.counter)]);
+    texts.push_back(fmt::format("{} ({})", fmt::join(names, ", "), why));
+  }
+  return fmt::format("{}", fmt::join(texts, "; "));
+}
+
+}  // namespace cdb::machine

@@ -1,0 +1,60 @@
+// Counts of the processor's and the system's events, by perf_event_open(2).
+#pragma once
+
+#include <array>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "compiler/schema/series.h"
+#include "runtime/protocol/series.h"
+
+namespace cdb::machine {
+
+/// One value for each counter, in the order of schema::kCounters. NaN: it is not counted.
+using Counts = std::array<double, protocol::kCounterCount>;
+
+/// A counter that this machine, or this process, does not have.
+struct MissingCounter {
+  schema::Counter counter = {};
+  std::string why;
+  bool operator==(const MissingCounter&) const = default;
+};
+
+/// Counts the events of the thread that constructs it, in user mode. The counters are one group:
+/// all of them count, or the processor gives up those at the end of the list that it cannot count
+/// beside the others, so that no count is an estimate from a part of the time.
+/// Source: perf_event_open(2); the generic events of its `config`.
+/// Threads: Read is of the thread that constructed it; events of other threads are not counted.
+/// Errors: none; what cannot be counted is in missing().
+class EventCounters {
+ public:
+  explicit EventCounters(std::span<const schema::Counter> wanted);
+  EventCounters();  ///< all
+  ~EventCounters();
+  EventCounters(const EventCounters&) = delete;
+  EventCounters& operator=(const EventCounters&) = delete;
+
+  /// The number of events so far; all NaN if the system cannot tell.
+  Counts Read() const;
+  const std::vector<MissingCounter>& missing() const { return missing_; }
+  bool CountsNothing() const { return members_.empty(); }
+
+ private:
+  struct Member {
+    schema::Counter counter;
+    int fd;
+  };
+  void Open(std::span<const schema::Counter> wanted);
+  bool IsCounting() const;
+  void Close();
+
+  std::vector<Member> members_;  ///< the first leads the group
+  std::vector<MissingCounter> missing_;
+};
+
+/// The missing counters as a line: `instructions, cpu_cycles: No such file or directory (…)`.
+/// Empty if there are none.
+std::string MissingText(std::span<const MissingCounter> missing);
+
+}  // namespace cdb::machine

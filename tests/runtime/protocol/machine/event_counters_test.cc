@@ -1,0 +1,100 @@
+#include "runtime/protocol/machine/event_counters.h"
+
+#include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <thread>
+
+namespace cdb::tests {
+namespace {
+
+using machine::EventCounters;
+using schema::Counter;
+
+double CountOf(const machine::Counts& counts, Counter counter) {
+  return counts[static_cast<std::size_t>(counter)];
+}
+
+/// Writes to new pages, each of which is a page fault.
+void TouchPages(std::size_t count) {
+  const auto size = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+  void* memory =
+      mmap(nullptr, count * size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  ASSERT_NE(memory, MAP_FAILED);
+  madvise(memory, count * size, MADV_NOHUGEPAGE);
+  for (std::size_t i = 0; i < count; ++i) static_cast<volatile char*>(memory)[i * size] = 1;
+  munmap(memory, count * size);
+}
+
+TEST(EventCounters, CountPageFaultsExactly) {
+  const EventCounters counters;
+  machine::Counts before = counters.Read(), after = before;
+  // The first round loads the code of the second.
+  for (int round = 0; round < 2; ++round) {
+    before = counters.Read();
+    TouchPages(100);
+    after = counters.Read();
+  }
+  const double faults =
+      CountOf(after, Counter::kPageFaults) - CountOf(before, Counter::kPageFaults);
+  const bool is_missing =
+      std::ranges::find(counters.missing(), Counter::kPageFaults,
+                        &machine::MissingCounter::counter) != counters.missing().end();
+  if (is_missing)
+    EXPECT_TRUE(std::isnan(faults));
+  else
+    EXPECT_EQ(faults, 100);
+}
+
+TEST(EventCounters, AreEitherCountedOrMissingForAReason) {
+  const EventCounters counters;
+  const machine::Counts counts = counters.Read();
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    const auto missing = std::ranges::find(counters.missing(), static_cast<Counter>(i),
+                                           &machine::MissingCounter::counter);
+    EXPECT_EQ(std::isnan(counts[i]), missing != counters.missing().end()) << schema::kCounters[i];
+    if (missing != counters.missing().end()) EXPECT_FALSE(missing->why.empty());
+  }
+  EXPECT_EQ(counters.CountsNothing(), counters.missing().size() == counts.size());
+}
+
+TEST(EventCounters, CountTheInstructionsOfALoop) {
+  const EventCounters counters;
+  const double before = CountOf(counters.Read(), Counter::kInstructions);
+  for (volatile int i = 0; i < 100000; i = i + 1) {
+  }
+  const double count = CountOf(counters.Read(), Counter::kInstructions) - before;
+  EXPECT_TRUE(std::isnan(count) || (count > 300000 && count < 3000000)) << count;
+}
+
+TEST(EventCounters, DoNotCountOtherThreads) {
+  const EventCounters counters;
+  std::thread([] { TouchPages(1); }).join();  // what starting a thread needs
+  const auto faults = [&] { return CountOf(counters.Read(), Counter::kPageFaults); };
+  const double before = faults();
+  std::thread([] { TouchPages(500); }).join();
+  const double count = faults() - before;
+  EXPECT_TRUE(std::isnan(count) || count < 100) << count;
+}
+
+TEST(EventCounters, OfNoneCountNothing) {
+  const EventCounters counters(std::span<const Counter>{});
+  EXPECT_TRUE(counters.CountsNothing());
+  EXPECT_TRUE(counters.missing().empty());
+  for (const double count : counters.Read()) EXPECT_TRUE(std::isnan(count));
+}
+
+TEST(EventCounters, AreNamedByTheirReasons) {
+  EXPECT_EQ(machine::MissingText({}), "");
+  const machine::MissingCounter missing[] = {{Counter::kCpuCycles, "no reason"},
+                                             {Counter::kPageFaults, "another"},
+                                             {Counter::kCacheMisses, "no reason"}};
+  EXPECT_EQ(machine::MissingText(missing),
+            "cpu_cycles, cache_misses (no reason); page_faults (another)");
+}
+
+}  // namespace
+}  // namespace cdb::tests
