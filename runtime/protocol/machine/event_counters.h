@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "compiler/schema/series.h"
 #include "runtime/protocol/series.h"
 
 namespace cdb::machine {
