@@ -64,7 +64,7 @@ options::ExitStatus Examine() {
   std::vector<machine::MachineFact> facts = machine::LookAtMachine();
   const machine::NoiseFloor floor = machine::MeasureNoiseFloor(kSeconds);
   for (machine::MachineFact& fact : FactsOf(floor)) facts.push_back(std::move(fact));
-  facts.push_back(CounterFact());
+  const machine::MachineFact counters = CounterFact();
   int doubts = 0;
   for (const machine::MachineFact& fact : facts) {
     const bool is_good = fact.remedy.empty();
@@ -72,6 +72,8 @@ options::ExitStatus Examine() {
     terminal::Print(fmt::format("  {}  {:20} {}\n", is_good ? "ok" : " !", fact.name, fact.value));
     if (!is_good) terminal::Print(fmt::format("      {:20} {}\n", "", fact.remedy));
   }
+  // No reason to doubt times.
+  terminal::Print(fmt::format("  --  {:20} {}\n", counters.name, counters.value));
   terminal::Print(floor.IsQuiet()
                       ? fmt::format("\nQuiet enough for timings{}.\n",
                                     doubts > 0 ? "; the marked items may still disturb them" : "")

@@ -259,12 +259,13 @@ options::ExitStatus Require(protocol::Verdict required, const fs::path& out) {
 void CheckJobs(const RunArguments& arguments, const std::vector<plans::SizedPlan>& plans) {
   if (arguments.jobs == 1 || arguments.shares_timings) return;
   for (const plans::SizedPlan& sized : plans)
-    if (sized.plan.Records("timing") && !plan::CountsInstructions(sized.plan))
-      throw options::CommandError(
-          fmt::format("--jobs {}: '{}' records times, which parallel runs disturb; remove --jobs, "
-                      "remove timing from `record`, or add --shared-timings if these times do not "
-                      "matter; nothing was started",
-                      arguments.jobs, sized.plan.benchmark));
+    for (const auto& [word, what] : {std::pair{"timing", "times"}, {"counters", "counters"}})
+      if (sized.plan.Records(word) && !plan::CountsInstructions(sized.plan))
+        throw options::CommandError(
+            fmt::format("--jobs {}: '{}' records {}, which parallel runs disturb; remove --jobs, "
+                        "remove {} from `record`, or add --shared-timings if these {} do not "
+                        "matter; nothing was started",
+                        arguments.jobs, sized.plan.benchmark, what, word, what));
 }
 
 options::ExitStatus Run(const RunArguments& arguments) {

@@ -353,6 +353,9 @@ class TimeComparer {
       return "one of the files counts instructions, the other measures time: run both with the "
              "same "
              "clock";
+    if (a_.file.Has("counters") != b_.file.Has("counters"))
+      return "one of the files records counters, whose reading is part of its times: run both with "
+             "the same `record`";
     const MeasuredPoint *a = MeasuredA(i), *b = MeasuredB(i);
     for (const auto& [point, file] : {std::pair{a, &a_}, std::pair{b, &b_}}) {
       if (point == nullptr) return fmt::format("no timed cycle in {}", file->name);

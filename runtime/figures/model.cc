@@ -239,8 +239,14 @@ QueryFigures QueriesOf(const results::ResultFile& file,
 
 double CounterOf(const results::ResultFile& file, std::span<const MeasuredPoint* const> points,
                  schema::Counter counter, protocol::Phase phase) {
-  return TotalOf(points, [&](const Cell& cell) { return file.ReadCounter(counter, phase, cell); })
-      .Mean();
+  std::size_t cycles = 0;
+  const Total total = TotalOf(points, [&](const Cell& cell) {
+    std::vector<double> counts = file.ReadCounter(counter, phase, cell);
+    cycles += counts.size();
+    return counts;
+  });
+  // A mean of some of the cycles would be that of others.
+  return total.count == static_cast<double>(cycles) ? total.Mean() : kNone;
 }
 
 }  // namespace cdb::figures

@@ -201,7 +201,7 @@ class CounterTables {
       if (has_rate)
         figures.push_back(terminal::ShortNumber(count_of(schema::Counter::kInstructions) /
                                                 count_of(schema::Counter::kCpuCycles)));
-      table.AddRow(row, figures);
+      table.AddRow(row, figures, figures::UnsoundText(model_.file(), row));
     }
     if (!has_rows) return;
     document.push_back(

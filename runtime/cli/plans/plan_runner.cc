@@ -56,7 +56,7 @@ void PlanRunner::WarnOfLoad(const plan::Plan& plan) const {
       processors, processors == 1 ? "" : "s");
 }
 
-/// Where the runs may be made on this machine.
+/// Names the events that this machine does not count. Runs on other machines may have them.
 void PlanRunner::WarnOfCounters(const plan::Plan& plan) const {
   if (options_.is_quiet || !plan.Records("counters")) return;
   const std::string missing = machine::MissingText(machine::EventCounters().missing());

@@ -296,7 +296,7 @@ class PairReplay {
     header.scalars.peak_rss_bytes = probes::PeakRssBytes();
     // Overhead of a cycle: its time stamps.
     header.scalars.harness_ns = MedianNs([] {
-      for (int stamp = 0; stamp < 2; ++stamp) static_cast<void>(world::TakeStamp());
+      for (int stamp = 0; stamp < 4; ++stamp) static_cast<void>(world::TakeStamp());
     });
   }
 

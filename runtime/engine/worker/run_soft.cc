@@ -21,7 +21,7 @@ namespace {
 /// The time stamps of a step, ns: two for each phase that is stamped.
 double StampsNs() {
   return MedianNs([] {
-    for (int stamp = 0; stamp < 10; ++stamp) static_cast<void>(world::TakeStamp());
+    for (int stamp = 0; stamp < 12; ++stamp) static_cast<void>(world::TakeStamp());
   });
 }
 

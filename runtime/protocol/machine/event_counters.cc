@@ -46,17 +46,23 @@ int OpenEvent(schema::Counter counter, int leader) {
   attr.size = sizeof attr;
   attr.type = event.type;
   attr.config = event.config;
-  attr.read_format = PERF_FORMAT_GROUP;
+  attr.read_format =
+      PERF_FORMAT_GROUP | PERF_FORMAT_TOTAL_TIME_ENABLED | PERF_FORMAT_TOTAL_TIME_RUNNING;
   // Counting the kernel, too, is a privilege.
   attr.exclude_kernel = 1;
   attr.exclude_hv = 1;
-  // Always counts, or is in a state of error, in which reading it ends at once.
+  // Counts whenever the thread runs, or is in a state of error, in which reading it ends at once;
+  // but on the cores of another kind, which some processors have, it waits.
   attr.pinned = leader < 0;
   return static_cast<int>(syscall(SYS_perf_event_open, &attr, 0, -1, leader, PERF_FLAG_FD_CLOEXEC));
 }
 
-std::string ReasonOf(int error) {
+constexpr const char* kNoRoom = "the processor cannot count it beside the others";
+
+std::string ReasonOf(int error, bool is_first) {
   switch (error) {
+    case EINVAL:
+      return is_first ? std::strerror(error) : kNoRoom;
     case ENOENT:
     case ENODEV:
     case EOPNOTSUPP:
@@ -85,7 +91,7 @@ EventCounters::EventCounters(std::span<const schema::Counter> wanted) {
                                    [](const Member& one) { return IsHardware(one.counter); });
     const schema::Counter given_up =
         last == members_.rend() ? members_.back().counter : last->counter;
-    missing_.push_back({given_up, "the processor cannot count it beside the others"});
+    missing_.push_back({given_up, kNoRoom});
     std::erase(counters, given_up);
     Close();
     Open(counters);
@@ -96,11 +102,12 @@ EventCounters::~EventCounters() { Close(); }
 
 void EventCounters::Open(std::span<const schema::Counter> wanted) {
   for (const schema::Counter counter : wanted) {
-    const int leader = members_.empty() ? -1 : members_.front().fd;
-    if (const int fd = OpenEvent(counter, leader); fd >= 0)
+    const bool is_first = members_.empty();
+    const int fd = OpenEvent(counter, is_first ? -1 : members_.front().fd), error = errno;
+    if (fd >= 0)
       members_.push_back({counter, fd});
     else if (std::ranges::find(missing_, counter, &MissingCounter::counter) == missing_.end())
-      missing_.push_back({counter, ReasonOf(errno)});
+      missing_.push_back({counter, ReasonOf(error, is_first)});
   }
 }
 
@@ -117,14 +124,17 @@ Counts EventCounters::Read() const {
   Counts counts;
   counts.fill(kNone);
   if (members_.empty()) return counts;
-  // Their number, and their values in the order in which they were opened.
-  std::array<std::uint64_t, 1 + protocol::kCounterCount> values;
-  const std::size_t size = (1 + members_.size()) * sizeof values[0];
-  if (read(members_.front().fd, values.data(), sizeof values) != static_cast<ssize_t>(size) ||
-      values[0] != members_.size())
+  // Their number, the times for which they were enabled and have counted, and their values in the
+  // order in which they were opened.
+  constexpr std::size_t kHead = 3;
+  std::array<std::uint64_t, kHead + protocol::kCounterCount> values;
+  const std::size_t size = (kHead + members_.size()) * sizeof values[0];
+  if (read(members_.front().fd, values.data(), sizeof values) != static_cast<ssize_t>(size))
     return counts;
+  const auto [members, enabled, running] = std::array{values[0], values[1], values[2]};
+  if (members != members_.size() || running == 0 || running < enabled) return counts;
   for (std::size_t i = 0; i < members_.size(); ++i)
-    counts[static_cast<std::size_t>(members_[i].counter)] = static_cast<double>(values[1 + i]);
+    counts[static_cast<std::size_t>(members_[i].counter)] = static_cast<double>(values[kHead + i]);
   return counts;
 }
 

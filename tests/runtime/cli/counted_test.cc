@@ -1,10 +1,12 @@
-// `clock instructions`: runs whose clock is the count of their instructions.
+// Runs whose clock is the count of their instructions (`clock instructions`), and runs that count
+// events of the processor (`record counters`).
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <string>
 
+#include "runtime/protocol/machine/event_counters.h"
 #include "runtime/protocol/recording.h"
 #include "runtime/results/store.h"
 #include "runtime/sweep/process/program.h"
@@ -122,6 +124,59 @@ TEST(Counted, NamesWhatIsMissing) {
               std::string::npos)
         << checked.out << checked.err;
   }
+}
+
+TEST(Counters, AreRecordedAndShownOrNamedAsMissing) {
+  const Program program;
+  program.Write(
+      "few.cdb",
+      "benchmark few {\n  cycles 4\n  detector sweep(sap, dbvt)\n  record timing, counters\n"
+      "  objects { quantity 8; size 5 }\n}\n");
+  const Finished run = program.Run({"run", "few.cdb"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  const results::ResultFile file(program.folder() / "few.h5");
+  const machine::EventCounters here;
+  const machine::Counts counted = here.Read();
+  const Finished shown = program.Run({"show", "few.h5"});
+  EXPECT_EQ(shown.status, 0) << shown.err;
+  for (std::size_t i = 0; i < counted.size(); ++i) {
+    const std::string name(schema::kCounters[i]);
+    for (const double count :
+         file.ReadCounter(static_cast<schema::Counter>(i), protocol::Phase::kStep, {{1}, 0}))
+      EXPECT_TRUE(std::isnan(counted[i]) ? std::isnan(count) : count >= 0) << name << " " << count;
+    EXPECT_NE(shown.out.find(name), std::string::npos) << shown.out;
+    EXPECT_EQ(run.err.find(name) != std::string::npos, std::isnan(counted[i])) << run.err;
+  }
+  EXPECT_EQ(shown.out.find("Events of step in a cycle") != std::string::npos, !here.CountsNothing())
+      << shown.out;
+  EXPECT_EQ(shown.out.find("not counted by the machine") != std::string::npos,
+            !here.missing().empty())
+      << shown.out;
+  EXPECT_EQ(program.Run({"check", "few.h5"}).status, 0);
+  EXPECT_NE(program.Run({"show", "few.h5", "--json"}).out.find("\"page_faults\""),
+            std::string::npos);
+  ASSERT_EQ(program.Run({"run", "few.cdb", "--set", "record=timing", "-o", "plain.h5"}).status, 0);
+  EXPECT_NE(program.Run({"compare", "plain.h5", "few.h5"}).out.find("records counters"),
+            std::string::npos);
+}
+
+TEST(Counters, AreRefusedWhereTheyWouldCountSomethingElse) {
+  const Program program;
+  const auto fault = [&](const std::string& settings) {
+    program.Write("no.cdb", "benchmark no {\n  cycles 4\n  record timing, counters\n" + settings +
+                                "\n  objects { quantity 8; size 5 }\n}\n");
+    const Finished check = program.Run({"check", "no.cdb"});
+    EXPECT_EQ(check.status, 2) << settings;
+    return check.err + check.out;
+  };
+  EXPECT_NE(fault("  detector grid\n  threads 2").find("counts the events of one thread"),
+            std::string::npos);
+  EXPECT_NE(fault("  clock instructions").find("whose events are not those of the engine"),
+            std::string::npos);
+  program.Write("many.cdb",
+                "benchmark many { cycles 4; record counters; objects { quantity 8; size 5 } }");
+  EXPECT_NE(program.Run({"run", "many.cdb", "--jobs", "2"}).err.find("records counters"),
+            std::string::npos);
 }
 
 }  // namespace
