@@ -43,10 +43,11 @@ TEST(EventCounters, CountPageFaultsExactly) {
   const bool is_missing =
       std::ranges::find(counters.missing(), Counter::kPageFaults,
                         &machine::MissingCounter::counter) != counters.missing().end();
-  if (is_missing)
+  if (is_missing) {
     EXPECT_TRUE(std::isnan(faults));
-  else
+  } else {
     EXPECT_EQ(faults, 100);
+  }
 }
 
 TEST(EventCounters, AreEitherCountedOrMissingForAReason) {
@@ -56,7 +57,9 @@ TEST(EventCounters, AreEitherCountedOrMissingForAReason) {
     const auto missing = std::ranges::find(counters.missing(), static_cast<Counter>(i),
                                            &machine::MissingCounter::counter);
     EXPECT_EQ(std::isnan(counts[i]), missing != counters.missing().end()) << schema::kCounters[i];
-    if (missing != counters.missing().end()) EXPECT_FALSE(missing->why.empty());
+    if (missing != counters.missing().end()) {
+      EXPECT_FALSE(missing->why.empty());
+    }
   }
   EXPECT_EQ(counters.CountsNothing(), counters.missing().size() == counts.size());
 }
@@ -64,10 +67,10 @@ TEST(EventCounters, AreEitherCountedOrMissingForAReason) {
 TEST(EventCounters, CountTheInstructionsOfALoop) {
   const EventCounters counters;
   const double before = CountOf(counters.Read(), Counter::kInstructions);
-  for (volatile int i = 0; i < 100000; i = i + 1) {
-  }
+  volatile int sink = 0;
+  for (int i = 0; i < 100000; ++i) sink = i;
   const double count = CountOf(counters.Read(), Counter::kInstructions) - before;
-  EXPECT_TRUE(std::isnan(count) || (count > 300000 && count < 3000000)) << count;
+  EXPECT_TRUE(std::isnan(count) || (count > 100000 && count < 3000000)) << count;
 }
 
 TEST(EventCounters, DoNotCountOtherThreads) {
