@@ -24,7 +24,7 @@ struct Kept {
 /// Files to which a run appends values whose number varies; -1: none.
 struct Streams {
   int contacts_fd = -1;      ///< of ContactRecords, if the scene records them
-  int narrow_input_fd = -1;  ///< probes::NarrowInput; the scene must not record timing
+  int narrow_input_fd = -1;  ///< probes::NarrowInput; the scene must not record timing or counters
 };
 
 /// Draws and places the objects, decides the omissions, builds the world, runs the warm-up and

@@ -102,7 +102,7 @@ class Engine {
   /// The bodies as input of detectors; null if both phases are Bullet's own.
   const detection::SceneView* scene_view() const { return scene_view_.get(); }
 
-  /// Null if the scene does not record timing; its cycles then run without a clock.
+  /// Null if the scene records neither timing nor counters; its cycles then run without a clock.
   const TimedWorld* timed_world() const { return timed_world_; }
   LeanWorld& world() { return *world_; }
   const layouts::InitialState& initial_state() const { return state_; }

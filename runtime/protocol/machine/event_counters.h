@@ -20,9 +20,9 @@ struct MissingCounter {
   bool operator==(const MissingCounter&) const = default;
 };
 
-/// Counts the events of the thread that constructs it, in user mode. The counters are one group:
-/// all of them count, or the processor gives up those at the end of the list that it cannot count
-/// beside the others, so that no count is an estimate from a part of the time.
+/// Counts the events of the thread that constructs it, in user mode. The counters are one group, so
+/// that no count is an estimate from a part of the time: those at the end of the list that the
+/// processor cannot count beside the others are left out.
 /// Source: perf_event_open(2); the generic events of its `config`.
 /// Threads: Read is of the thread that constructed it; events of other threads are not counted.
 /// Errors: none; what cannot be counted is in missing().
@@ -34,7 +34,7 @@ class EventCounters {
   EventCounters(const EventCounters&) = delete;
   EventCounters& operator=(const EventCounters&) = delete;
 
-  /// The number of events so far; all NaN if the system cannot tell.
+  /// The number of events so far; all NaN if the group did not count all the time.
   Counts Read() const;
   const std::vector<MissingCounter>& missing() const { return missing_; }
   bool CountsNothing() const { return members_.empty(); }
@@ -52,7 +52,7 @@ class EventCounters {
   std::vector<MissingCounter> missing_;
 };
 
-/// The missing counters as a line: `instructions, cpu_cycles: No such file or directory (…)`.
+/// The missing counters as a line: `instructions, cpu_cycles (the reason)`.
 /// Empty if there are none.
 std::string MissingText(std::span<const MissingCounter> missing);
 
