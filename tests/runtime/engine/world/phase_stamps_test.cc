@@ -52,9 +52,9 @@ TEST_F(PhaseStamps, HoldTheEventsBetweenThem) {
   for (std::uint64_t cycle = 0; cycle < kCycles; ++cycle) {
     world::PhaseStamps phases = {};
     const world::Stamp begin = world::TakeStamp();
-    TouchPages(cycle);
+    TouchPages(cycle + 1);
     const world::Stamp middle = world::TakeStamp();
-    TouchPages(2 * cycle);
+    TouchPages(2 * cycle + 2);
     const world::Stamp end = world::TakeStamp();
     phases[protocol::IndexOf(protocol::Phase::kBroad)] = middle - begin;
     phases[protocol::IndexOf(protocol::Phase::kNarrow)] = end - middle;
@@ -72,7 +72,7 @@ TEST_F(PhaseStamps, HoldTheEventsBetweenThem) {
       EXPECT_TRUE(std::isnan(faults(protocol::Phase::kBroad)));
       continue;
     }
-    const auto pages = static_cast<double>(cycle);
+    const auto pages = static_cast<double>(cycle + 1);
     EXPECT_EQ(faults(protocol::Phase::kBroad), pages);
     EXPECT_EQ(faults(protocol::Phase::kNarrow), 2 * pages);
     EXPECT_EQ(faults(protocol::Phase::kDetect), 3 * pages);
