@@ -1,13 +1,12 @@
 // The counters of a run, as `record counters` has them.
 #include <gtest/gtest.h>
-#include <sys/mman.h>
-#include <unistd.h>
 
 #include <cmath>
 
 #include "runtime/engine/world/clock.h"
 #include "runtime/protocol/machine/event_counters.h"
 #include "tests/runtime/engine/engine_fixture.h"
+#include "tests/support/new_pages.h"
 
 namespace cdb::tests {
 namespace {
@@ -29,17 +28,6 @@ double CountIn(const protocol::Recording& recording, schema::Counter counter, pr
                                      cycle];
 }
 
-/// Each of the pages is new, and so a fault.
-void TouchPages(std::size_t count) {
-  const auto size = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
-  void* memory =
-      mmap(nullptr, count * size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-  ASSERT_NE(memory, MAP_FAILED);
-  madvise(memory, count * size, MADV_NOHUGEPAGE);
-  for (std::size_t i = 0; i < count; ++i) static_cast<volatile char*>(memory)[i * size] = 1;
-  munmap(memory, count * size);
-}
-
 class PhaseStamps : public ::testing::Test {
  protected:
   static void SetUpTestSuite() { world::CountEvents(); }
@@ -48,13 +36,13 @@ class PhaseStamps : public ::testing::Test {
 TEST_F(PhaseStamps, HoldTheEventsBetweenThem) {
   const plan::Scene scene = CountedScene();
   protocol::Recording recording = protocol::Recording::Create(scene);
-  TouchPages(1);
+  NewPages pages;
   for (std::uint64_t cycle = 0; cycle < kCycles; ++cycle) {
     world::PhaseStamps phases = {};
     const world::Stamp begin = world::TakeStamp();
-    TouchPages(cycle + 1);
+    pages.Touch(cycle + 1);
     const world::Stamp middle = world::TakeStamp();
-    TouchPages(2 * cycle + 2);
+    pages.Touch(2 * cycle + 2);
     const world::Stamp end = world::TakeStamp();
     phases[protocol::IndexOf(protocol::Phase::kBroad)] = middle - begin;
     phases[protocol::IndexOf(protocol::Phase::kNarrow)] = end - middle;
@@ -72,10 +60,10 @@ TEST_F(PhaseStamps, HoldTheEventsBetweenThem) {
       EXPECT_TRUE(std::isnan(faults(protocol::Phase::kBroad)));
       continue;
     }
-    const auto pages = static_cast<double>(cycle + 1);
-    EXPECT_EQ(faults(protocol::Phase::kBroad), pages);
-    EXPECT_EQ(faults(protocol::Phase::kNarrow), 2 * pages);
-    EXPECT_EQ(faults(protocol::Phase::kDetect), 3 * pages);
+    const auto touched = static_cast<double>(cycle + 1);
+    EXPECT_EQ(faults(protocol::Phase::kBroad), touched);
+    EXPECT_EQ(faults(protocol::Phase::kNarrow), 2 * touched);
+    EXPECT_EQ(faults(protocol::Phase::kDetect), 3 * touched);
   }
 }
 

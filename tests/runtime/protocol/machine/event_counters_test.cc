@@ -1,12 +1,12 @@
 #include "runtime/protocol/machine/event_counters.h"
 
 #include <gtest/gtest.h>
-#include <sys/mman.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <thread>
+
+#include "tests/support/new_pages.h"
 
 namespace cdb::tests {
 namespace {
@@ -18,24 +18,14 @@ double CountOf(const machine::Counts& counts, Counter counter) {
   return counts[static_cast<std::size_t>(counter)];
 }
 
-/// Writes to new pages, each of which is a page fault.
-void TouchPages(std::size_t count) {
-  const auto size = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
-  void* memory =
-      mmap(nullptr, count * size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-  ASSERT_NE(memory, MAP_FAILED);
-  madvise(memory, count * size, MADV_NOHUGEPAGE);
-  for (std::size_t i = 0; i < count; ++i) static_cast<volatile char*>(memory)[i * size] = 1;
-  munmap(memory, count * size);
-}
-
 TEST(EventCounters, CountPageFaultsExactly) {
+  NewPages pages;
   const EventCounters counters;
   machine::Counts before = counters.Read(), after = before;
   // The first round loads the code of the second.
   for (int round = 0; round < 2; ++round) {
     before = counters.Read();
-    TouchPages(100);
+    pages.Touch(100);
     after = counters.Read();
   }
   const double faults =
@@ -74,11 +64,12 @@ TEST(EventCounters, CountTheInstructionsOfALoop) {
 }
 
 TEST(EventCounters, DoNotCountOtherThreads) {
+  NewPages pages;
   const EventCounters counters;
-  std::thread([] { TouchPages(1); }).join();  // what starting a thread needs
+  std::thread([&pages] { pages.Touch(1); }).join();  // what starting a thread needs
   const auto faults = [&] { return CountOf(counters.Read(), Counter::kPageFaults); };
   const double before = faults();
-  std::thread([] { TouchPages(500); }).join();
+  std::thread([&pages] { pages.Touch(500); }).join();
   const double count = faults() - before;
   EXPECT_TRUE(std::isnan(count) || count < 100) << count;
 }
