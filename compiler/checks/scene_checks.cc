@@ -69,34 +69,33 @@ void SceneChecks::Report(configure::Configuration& configuration,
   }
 }
 
-// Runs that are counted are executed by Valgrind.
+// Counts are of one thread. Runs whose instructions are counted are executed by Valgrind.
 bool SceneChecks::CheckClock(configure::Configuration& configuration, const plan::Scene& scene) {
+  const bool counts_events = scene.world.Lists("record", "counters"),
+             counts_instructions = plan::CountsInstructions(scene),
+             has_threads = scene.world.Count("threads") > 1;
   std::vector<LaidFault> faults;
-  if (scene.world.Lists("record", "counters") && scene.world.Count("threads") > 1)
+  if (counts_events && has_threads)
     faults.push_back({&scenario::kContradiction,
                       {"", schema::WorldParameter("threads").get()},
                       {},
                       "`record counters` counts the events of one thread",
                       "write threads 1, or remove 'counters'"});
-  if (!plan::CountsInstructions(scene)) {
-    Report(configuration, faults);
-    return faults.empty();
-  }
-  if (scene.world.Lists("record", "counters"))
+  if (counts_events && counts_instructions)
     faults.push_back(
         {&scenario::kContradiction,
          {"", schema::WorldParameter("record").get()},
          "counters",
-         "`clock instructions` runs the engine in Valgrind, whose events are not those "
-         "of the engine",
+         "`clock instructions` runs the engine in Valgrind, whose events are not those of the "
+         "engine",
          "remove 'counters', or use `clock time`"});
-  if (scene.world.Count("threads") > 1)
+  if (counts_instructions && has_threads)
     faults.push_back({&scenario::kContradiction,
                       {"", schema::WorldParameter("threads").get()},
                       {},
                       "`clock instructions` counts those of one thread",
                       "write threads 1, or use `clock time`"});
-  if (scene.world.WordOr("memory").empty())
+  if (counts_instructions && scene.world.WordOr("memory").empty())
     faults.push_back({&scenario::kContradiction,
                       {"", schema::WorldParameter("memory").get()},
                       {},

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -50,21 +51,17 @@ std::vector<machine::MachineFact> FactsOf(const machine::NoiseFloor& floor) {
 }
 
 /// What `record counters` can count.
-machine::MachineFact CounterFact() {
+std::string CountersText() {
   const machine::EventCounters counters;
   const std::string missing = machine::MissingText(counters.missing());
-  return {"counters",
-          missing.empty()            ? "all"
-          : counters.CountsNothing() ? fmt::format("none: {}", missing)
-                                     : fmt::format("without {}", missing),
-          ""};
+  if (missing.empty()) return "all";
+  return fmt::format("{} {}", counters.CountsNothing() ? "none:" : "without", missing);
 }
 
 options::ExitStatus Examine() {
   std::vector<machine::MachineFact> facts = machine::LookAtMachine();
   const machine::NoiseFloor floor = machine::MeasureNoiseFloor(kSeconds);
   for (machine::MachineFact& fact : FactsOf(floor)) facts.push_back(std::move(fact));
-  const machine::MachineFact counters = CounterFact();
   int doubts = 0;
   for (const machine::MachineFact& fact : facts) {
     const bool is_good = fact.remedy.empty();
@@ -72,8 +69,8 @@ options::ExitStatus Examine() {
     terminal::Print(fmt::format("  {}  {:20} {}\n", is_good ? "ok" : " !", fact.name, fact.value));
     if (!is_good) terminal::Print(fmt::format("      {:20} {}\n", "", fact.remedy));
   }
-  // No reason to doubt times.
-  terminal::Print(fmt::format("  --  {:20} {}\n", counters.name, counters.value));
+  // Missing counters are no reason to doubt times.
+  terminal::Print(fmt::format("  --  {:20} {}\n", "counters", CountersText()));
   terminal::Print(floor.IsQuiet()
                       ? fmt::format("\nQuiet enough for timings{}.\n",
                                     doubts > 0 ? "; the marked items may still disturb them" : "")

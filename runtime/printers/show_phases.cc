@@ -168,9 +168,6 @@ void AddPhases(const figures::Model& model, const std::vector<std::size_t>& by,
 
 namespace {
 
-constexpr Phase kAllPhases[] = {Phase::kBroad, Phase::kNarrow,    Phase::kDetect,
-                                Phase::kSolve, Phase::kIntegrate, Phase::kStep};
-
 class CounterTables {
  public:
   CounterTables(const figures::Model& model, const std::vector<std::size_t>& by)
@@ -214,7 +211,7 @@ class CounterTables {
     std::vector<std::string_view> names;
     for (const schema::Counter counter : missing_) names.push_back(NameOf(counter));
     return fmt::format(
-        "{}: not counted by the machine of these runs; most virtual machines have no such counters "
+        "{}: not counted by the machine of these runs; most virtual machines hide these counters "
         "(cdb doc counters).",
         fmt::join(names, ", "));
   }
@@ -243,9 +240,10 @@ void AddCounters(const figures::Model& model, const std::vector<std::size_t>& by
                  const std::vector<Phase>& phases, Document& document) {
   if (model.points().empty() || !model.file().Has("counters")) return;
   const CounterTables tables(model, by);
-  for (const Phase phase :
-       phases.empty() ? std::vector(std::begin(kAllPhases), std::end(kAllPhases)) : phases)
-    tables.AddPhase(phase, document);
+  for (const Phase phase : phases) tables.AddPhase(phase, document);
+  if (phases.empty())
+    for (std::size_t i = 0; i < protocol::kPhaseCount; ++i)
+      tables.AddPhase(static_cast<Phase>(i), document);
   std::string note = tables.MissingNote();
   if (!note.empty()) document.push_back({.lines = {std::move(note)}});
 }

@@ -60,11 +60,11 @@ void CheckSeriesValues(const protocol::Series& series, std::span<const T> values
   if (series.type == protocol::SeriesType::kInt32) {
     for (const T value : values)
       if (value < -1) RefuseValue(series.name, value, "which is no count");
-  } else if (series.name == "duration" || series.name == "counters") {
+  } else if (const bool is_duration = series.name == "duration";
+             is_duration || series.name == "counters") {
     for (const T value : values)
       if (value < 0 || value > kMostMeasured)
-        RefuseValue(series.name, value,
-                    series.name == "duration" ? "which is no duration" : "which is no count");
+        RefuseValue(series.name, value, is_duration ? "which is no duration" : "which is no count");
   }
 }
 

@@ -213,6 +213,7 @@ struct ResultFile::Impl {
     return Reading([&] {
       const std::vector<double>& block = Block(dataset, cell, inner);
       const std::size_t count = CyclesOf(cell);
+      CDB_CHECK((row + 1) * count <= block.size());
       const auto begin = block.begin() + static_cast<long>(row * count);
       return std::vector(begin, begin + static_cast<long>(count));
     });

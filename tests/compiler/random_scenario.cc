@@ -114,7 +114,7 @@ class Maker {
       if (parameter.name == "omit" && !CanBeOmitted(word)) continue;
       if (parameter.TakesDetectors() && !IsBuilt(word)) continue;
       if (word == "vertices") continue;  // of soft bodies
-      if (word == "counters") continue;  // not beside several threads
+      if (word == "counters") continue;  // refused beside several threads
       // Kinematic objects cannot be in schedules or piles.
       if (word == analysis::kKinematicWord) continue;
       words.emplace_back(word);

@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <linux/perf_event.h>
-#include <sys/ioctl.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <limits>
@@ -17,10 +17,6 @@ namespace cdb::machine {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr schema::Counter kAll[] = {schema::Counter::kInstructions, schema::Counter::kCpuCycles,
-                                    schema::Counter::kCacheMisses, schema::Counter::kBranchMisses,
-                                    schema::Counter::kPageFaults};
-static_assert(std::size(kAll) == protocol::kCounterCount);
 
 struct Event {
   std::uint32_t type;
@@ -33,6 +29,13 @@ constexpr Event kEvents[] = {{PERF_TYPE_HARDWARE, PERF_COUNT_HW_INSTRUCTIONS},
                              {PERF_TYPE_HARDWARE, PERF_COUNT_HW_BRANCH_MISSES},
                              {PERF_TYPE_SOFTWARE, PERF_COUNT_SW_PAGE_FAULTS}};
 static_assert(std::size(kEvents) == protocol::kCounterCount);
+
+std::vector<schema::Counter> AllCounters() {
+  std::vector<schema::Counter> all;
+  for (std::size_t i = 0; i < protocol::kCounterCount; ++i)
+    all.push_back(static_cast<schema::Counter>(i));
+  return all;
+}
 
 bool IsHardware(schema::Counter counter) {
   return kEvents[static_cast<std::size_t>(counter)].type == PERF_TYPE_HARDWARE;
@@ -51,13 +54,13 @@ int OpenEvent(schema::Counter counter, int leader) {
   // Counting the kernel, too, is a privilege.
   attr.exclude_kernel = 1;
   attr.exclude_hv = 1;
-  // Counts whenever the thread runs, or is in a state of error, in which reading it ends at once;
-  // but on the cores of another kind, which some processors have, it waits.
+  // It counts whenever the thread runs, or is in an error state, in which read(2) returns 0. On a
+  // hybrid processor it does not count on cores of the other kind.
   attr.pinned = leader < 0;
   return static_cast<int>(syscall(SYS_perf_event_open, &attr, 0, -1, leader, PERF_FLAG_FD_CLOEXEC));
 }
 
-constexpr const char* kNoRoom = "the processor cannot count it beside the others";
+constexpr const char* kNoRoom = "the processor cannot count all of them at once";
 
 std::string ReasonOf(int error, bool is_first) {
   switch (error) {
@@ -66,7 +69,7 @@ std::string ReasonOf(int error, bool is_first) {
     case ENOENT:
     case ENODEV:
     case EOPNOTSUPP:
-      return "the processor does not show it, as in most virtual machines";
+      return "not available; most virtual machines hide them";
     case EACCES:
     case EPERM:
       return "not permitted: set kernel.perf_event_paranoid to 2 or less by sysctl, or allow "
@@ -80,11 +83,10 @@ std::string ReasonOf(int error, bool is_first) {
 
 }  // namespace
 
-EventCounters::EventCounters() : EventCounters(kAll) {}
+EventCounters::EventCounters() : EventCounters(AllCounters()) {}
 
 EventCounters::EventCounters(std::span<const schema::Counter> wanted) {
-  std::vector<schema::Counter> counters(wanted.begin(), wanted.end());
-  Open(counters);
+  Open(wanted);
   // A group that does not fit onto the processor's counters does not count at all.
   while (!members_.empty() && !IsCounting()) {
     const auto last = std::find_if(members_.rbegin(), members_.rend(),
@@ -92,9 +94,8 @@ EventCounters::EventCounters(std::span<const schema::Counter> wanted) {
     const schema::Counter given_up =
         last == members_.rend() ? members_.back().counter : last->counter;
     missing_.push_back({given_up, kNoRoom});
-    std::erase(counters, given_up);
     Close();
-    Open(counters);
+    Open(wanted);
   }
 }
 
@@ -102,17 +103,18 @@ EventCounters::~EventCounters() { Close(); }
 
 void EventCounters::Open(std::span<const schema::Counter> wanted) {
   for (const schema::Counter counter : wanted) {
+    if (std::ranges::find(missing_, counter, &MissingCounter::counter) != missing_.end()) continue;
     const bool is_first = members_.empty();
     const int fd = OpenEvent(counter, is_first ? -1 : members_.front().fd), error = errno;
     if (fd >= 0)
       members_.push_back({counter, fd});
-    else if (std::ranges::find(missing_, counter, &MissingCounter::counter) == missing_.end())
+    else
       missing_.push_back({counter, ReasonOf(error, is_first)});
   }
 }
 
 bool EventCounters::IsCounting() const {
-  return std::ranges::any_of(Read(), [](double count) { return count == count; });
+  return std::ranges::any_of(Read(), [](double count) { return !std::isnan(count); });
 }
 
 void EventCounters::Close() {

@@ -33,9 +33,8 @@ TEST(SoftProbes, EverySeriesHasAValueInEveryCycle) {
       "cycles 30; world { side 4; wall_shape box } record timing, counts, energy, stability, "
       "memory, vertices, counters; soft_world springs; objects { quantity 2; size 1; mass 1; "
       "margin 0.02; type cloth(columns: 4, rows: 3) } objects rope { quantity 1; size 1; mass 1; "
-      "margin 0.02; "
-      "type rope(segments: 5) } objects block { quantity 1; size 1; mass 1; margin 0.02; type "
-      "block(columns: 1, rows: 1, layers: 2); soft { young_modulus 100 } }");
+      "margin 0.02; type rope(segments: 5) } objects block { quantity 1; size 1; mass 1; "
+      "margin 0.02; type block(columns: 1, rows: 1, layers: 2); soft { young_modulus 100 } }");
   const protocol::Recording recording = RecordSoft(run);
   std::size_t recorded = 0;
   for (const protocol::Series& series : protocol::AllSeries()) {
