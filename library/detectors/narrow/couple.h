@@ -178,10 +178,10 @@ Separation Separate(const Couple& couple, const Vec3& axis, double reach, Memory
 /// 0: none.
 struct Edge {
   int piece = 0;
-  /// From end to end, and the middle; of a line on a curved surface, which is parallel to the axis,
-  /// that of the axis.
+  /// From end to end, and the middle; of a line on a curved surface, those of the axis.
   Vec3 along = {0, 0, 0}, middle = {0, 0, 0};
-  bool is_axis = false;
+  bool is_axis = false;   ///< a line on a curved surface, parallel to the axis or of a cone
+  bool is_slant = false;  ///< from the base of a cone to its tip: its direction is that of a normal
   std::uint32_t low = 0, high = 0;  ///< the vertices, if it is not
 
   /// Whether it ends in this point, or a line parallel to it does.
@@ -191,10 +191,15 @@ struct Edge {
   }
 };
 
-/// A line on the surface of a piece, parallel to its axis, of which only the direction is known;
-/// and the edge between two vertices. `which`: as Edge::piece.
+/// A line on the curved surface of a piece, of which only the direction is known, or not even that
+/// of a cone's; and the edge between two vertices. `which`: as Edge::piece.
 Edge AxisOf(const Couple& couple, int which);
 Edge EdgeOf(const Couple& couple, int which, std::uint32_t from, std::uint32_t to);
+
+/// The line on a cone that is across a direction from a to b, or about that; across another edge,
+/// too; and the edge itself if it is none.
+Edge LineAlong(const Couple& couple, const Edge& edge, const Vec3& direction);
+Edge LineAcross(const Couple& couple, const Edge& edge, const Edge& other, const Vec3& direction);
 
 /// The edges along which the corners of a triangle of the difference lie. Of none or one, the
 /// triangle is on a smooth part, or on one that is smooth across the edge; otherwise it is on a
@@ -244,5 +249,16 @@ struct Polished {
 /// Of pieces with curved surfaces: turns the normal to the nearest one along which the gap is
 /// greatest, by some steps of Newton's method, and only across the edge if there is one.
 Polished Polish(const Couple& couple, const Edge& edge, int steps, Separation& separation);
+
+/// What Settle finds.
+struct Settled {
+  Separation separation = {};
+  bool is_valid = false;    ///< no normal nearby has a greater gap
+  bool is_certain = false;  ///< any normal nearby gives the same separation, to the bit
+};
+
+/// The same to the end of Newton's method, and then rounded to 4e-9, so that the normal does not
+/// depend on where the method began.
+Settled Settle(const Couple& couple, const Edge& edge, const Vec3& normal);
 
 }  // namespace cdb::narrow

@@ -246,9 +246,11 @@ double MeetFace(const Couple& couple, int which, const FlatFace& face, Separatio
   return InsetOf(piece, face, deepest);
 }
 
-double CrossEdges(const Couple& couple, const Edge& first, const Edge& second,
-                  const Vec3& direction, Separation& found) {
-  if (first.piece == second.piece) return -1;
+double CrossEdges(const Couple& couple, const Edge& one, const Edge& other, const Vec3& direction,
+                  Separation& found) {
+  if (one.piece == other.piece || (one.is_slant && other.is_slant)) return -1;
+  const Edge first = LineAcross(couple, one, other, direction),
+             second = LineAcross(couple, other, one, direction);
   const Vec3 across = Cross(first.along, second.along);
   const double square = SquaredNorm(across);
   if (!(square > 1e-6 * SquaredNorm(first.along) * SquaredNorm(second.along))) return -1;
@@ -290,7 +292,8 @@ Separation Separate(const Couple& couple, const Vec3& axis, double reach, Memory
   if (couple.a.kind == Kind::kRound && couple.b.kind == Kind::kRound) {
     guess.separation.normal = Normalized(axis);
     guess.is_least = Polish(couple, {}, 8, guess.separation).is_least;
-    if (guess.is_least && IsSolved(couple, guess.separation)) return guess.separation;
+    if (guess.is_least && IsSolved(couple, guess.separation))
+      return Kept(couple, simplex, memory, guess.separation);
   }
   for (int step = 0; step < kMostSteps; ++step) {
     const DifferenceVertex vertex = couple.Support(-nearest);

@@ -18,6 +18,7 @@ struct Hint {
   float axis[3] = {0, 0, 0};       ///< otherwise, in the frame of a, from b to a; zero: none
   std::unique_ptr<Memory> memory;  ///< of pieces that are near or overlap; null: none
 
+  Vec3 Axis() const { return {axis[0], axis[1], axis[2]}; }
   void Set(const Vec3& of) {
     axis[0] = static_cast<float>(of.x);
     axis[1] = static_cast<float>(of.y);

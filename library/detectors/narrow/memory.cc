@@ -49,11 +49,30 @@ Given Of(const Couple& couple, const Features& features) {
       given.is_valid = given.IsInside();
       break;
     }
-    case Features::Kind::kNone:
+    default:
       break;
   }
   return given;
 }
+
+bool IsFace(Features::Kind kind) {
+  return kind == Features::Kind::kFaceOfA || kind == Features::Kind::kFaceOfB;
+}
+bool IsSmooth(Features::Kind kind) { return kind >= Features::Kind::kSmooth; }
+
+/// Across which the normal of smooth parts is.
+Edge EdgeAcross(const Couple& couple, const Features& features) {
+  if (features.kind == Features::Kind::kEdgeOfA) return EdgeOf(couple, 1, features.of_a);
+  if (features.kind == Features::Kind::kEdgeOfB) return EdgeOf(couple, -1, features.of_b);
+  return {};
+}
+
+void SetEdge(const Edge& edge, std::uint16_t (&of)[2]) {
+  of[0] = edge.is_axis ? Features::kAxis : static_cast<std::uint16_t>(edge.low);
+  of[1] = edge.is_axis ? Features::kAxis : static_cast<std::uint16_t>(edge.high);
+}
+
+double Across(const Couple& couple) { return couple.is_curved ? kAcrossCurved : kAcross; }
 
 /// The face across a direction, if there is one.
 bool FindFace(const Piece& piece, const Vec3& direction, double square_sine, std::uint16_t& index) {
@@ -71,12 +90,8 @@ bool SetEdges(const Couple& couple, const DifferenceVertex* simplex, int count, 
   const Edges edges(couple, simplex[0], simplex[1], simplex[count - 1]);
   const Edge &a = edges.of[0], &b = edges.of[1];
   if (edges.count != 2 || a.piece == b.piece) return false;
-  const auto set = [](const Edge& edge, std::uint16_t(&of)[2]) {
-    of[0] = edge.is_axis ? Features::kAxis : static_cast<std::uint16_t>(edge.low);
-    of[1] = edge.is_axis ? Features::kAxis : static_cast<std::uint16_t>(edge.high);
-  };
-  set(a, found.of_a);
-  set(b, found.of_b);
+  SetEdge(a, found.of_a);
+  SetEdge(b, found.of_b);
   found.is_opposite = Dot(Cross(a.along, b.along), normal) < 0;
   return true;
 }
@@ -105,13 +120,102 @@ bool IsProven(const Couple& couple, const Shell& shell, const Vec3& up, double d
   return true;
 }
 
-/// Whether a face that is not one of the features is across the normal.
-bool IsParallel(const Couple& couple, Features::Kind kind, const Vec3& normal) {
-  const double across = couple.is_curved ? kAcrossCurved : kAcross;
+/// The edge of a piece that is farthest along a direction, in the frame of the piece, or the line
+/// on a curved surface. False if a face is.
+bool FindEdge(const Couple& couple, int which, const Vec3& direction, Edge& edge) {
+  const Piece& piece = which > 0 ? couple.a : couple.b;
+  const double even = 1e-6 * piece.bound;
+  if (IsCurved(piece.kind)) {
+    const double straight = piece.kind == Kind::kRound ? piece.straight : piece.half.y;
+    const double rise = 2 * straight *
+                        (piece.kind == Kind::kCone ? direction.y : std::abs(direction.y)),
+                 rim = piece.kind == Kind::kCone ? RimOf(piece, direction).length : 0;
+    if (straight > 0 && std::abs(rise - rim) <= even) edge = AxisOf(couple, which);
+    return true;
+  }
+  std::uint32_t farthest[2];
+  int count = 0;
+  const double extent = Extent(piece, direction);
+  for (std::uint32_t i = 0; i < piece.count; ++i) {
+    if (extent - Dot(piece.Vertex(i), direction) > even) continue;
+    if (count == 2) return false;
+    farthest[count++] = i;
+  }
+  if (count == 2) edge = EdgeOf(couple, which, farthest[0], farthest[1]);
+  return true;
+}
+
+/// Puts a face of the other piece in the place of a face that it is parallel to, if the gap is
+/// greater there; of equal ones, that of a stays.
+void TakeParallel(const Couple& couple, Features& features, Given& given) {
+  const bool is_of_a = features.kind == Features::Kind::kFaceOfA;
+  const Vec3& normal = given.separation.normal;
+  Features other{.kind = is_of_a ? Features::Kind::kFaceOfB : Features::Kind::kFaceOfA};
+  if (!(is_of_a ? FindFace(couple.b, Inverse(couple.turn, normal), Across(couple), other.face)
+                : FindFace(couple.a, -normal, Across(couple), other.face)))
+    return;
+  const auto gap_of = [&](const Given& face) {
+    return couple.is_curved && !face.IsInside() ? -kernels::kInfinity : face.separation.gap;
+  };
+  const Given of_other = Of(couple, other);
+  const double gap = gap_of(given), other_gap = gap_of(of_other);
+  if (!(other_gap > gap) && (is_of_a || other_gap < gap)) return;
+  features = other;
+  given = of_other;
+}
+
+/// What the faces across a normal give.
+Given OfFaces(const Couple& couple, const Vec3& normal, Features& found) {
+  if (FindFace(couple.a, -normal, Across(couple), found.face)) {
+    found.kind = Features::Kind::kFaceOfA;
+  } else if (FindFace(couple.b, Inverse(couple.turn, normal), Across(couple), found.face)) {
+    found.kind = Features::Kind::kFaceOfB;
+  } else {
+    return {};
+  }
+  Given given = Of(couple, found);
+  TakeParallel(couple, found, given);
+  return given;
+}
+
+bool HasFaceAcross(const Couple& couple, const Vec3& normal) {
   std::uint16_t face;
-  return (kind != Features::Kind::kFaceOfA && FindFace(couple.a, -normal, across, face)) ||
-         (kind != Features::Kind::kFaceOfB &&
-          FindFace(couple.b, Inverse(couple.turn, normal), across, face));
+  return FindFace(couple.a, -normal, Across(couple), face) ||
+         FindFace(couple.b, Inverse(couple.turn, normal), Across(couple), face);
+}
+
+/// Where parts that are curved together touch. The edge is found by the normal alone, so that it
+/// does not depend on the search.
+bool SetSmooth(const Couple& couple, double slop, Features& features, Separation& separation) {
+  Edge a, b;
+  if (!FindEdge(couple, 1, -separation.normal, a) ||
+      !FindEdge(couple, -1, Inverse(couple.turn, separation.normal), b) ||
+      (a.piece != 0 && b.piece != 0))
+    return false;
+  const Edge& edge = a.piece != 0 ? a : b;
+  const Settled settled = Settle(couple, edge, separation.normal);
+  if (!settled.is_valid || !(settled.separation.gap >= separation.gap - slop)) return false;
+  separation = settled.separation;
+  features.kind = edge.piece == 0   ? Features::Kind::kSmooth
+                  : edge.piece == 1 ? Features::Kind::kEdgeOfA
+                                    : Features::Kind::kEdgeOfB;
+  if (edge.piece != 0) SetEdge(edge, edge.piece == 1 ? features.of_a : features.of_b);
+  return true;
+}
+
+/// Recall of such parts.
+Recalled RecallSmooth(const Couple& couple, const Features& features, const Vec3& axis,
+                      double reach) {
+  const Edge edge = EdgeAcross(couple, features);
+  const Settled settled = Settle(couple, edge, Normalized(axis));
+  const Separation& separation = settled.separation;
+  if (!settled.is_valid || !settled.is_certain || !(std::abs(separation.gap) > couple.skin))
+    return {};
+  Features faces;
+  const bool is_proven =
+      separation.gap > reach ||
+      (!OfFaces(couple, separation.normal, faces).IsInside() && IsSolved(couple, separation));
+  return {separation, is_proven, true};
 }
 
 }  // namespace
@@ -123,40 +227,32 @@ bool SetFeatures(const Couple& couple, const DifferenceVertex* simplex, int coun
   const double slop = couple.is_curved ? 1e3 * couple.rounding : couple.skin;
   const Vec3 normal = separation.normal;
   Features found;
-  const auto is_given = [&](Features::Kind kind) {
-    found.kind = kind;
-    const Given given = Of(couple, found);
-    if (!given.is_valid || !(given.separation.gap >= separation.gap - slop)) return false;
-    if (couple.is_curved && !given.IsInside()) return false;
-    separation.normal = given.separation.normal;
-    separation.gap = given.separation.gap;
-    if (given.IsInside()) separation = given.separation;
-    return true;
+  Given given = OfFaces(couple, normal, found);
+  const auto is_given = [&] {
+    return given.is_valid && given.separation.gap >= separation.gap - slop &&
+           (!couple.is_curved || given.IsInside());
   };
-  const double across = couple.is_curved ? kAcrossCurved : kAcross;
-  std::uint16_t face_of_b = 0;
-  const bool is_across_a = FindFace(couple.a, -normal, across, found.face),
-             is_across_b = FindFace(couple.b, Inverse(couple.turn, normal), across, face_of_b);
-  if (is_across_a || is_across_b) {
-    const bool is_of_a = is_across_a && is_given(Features::Kind::kFaceOfA);
-    if (!is_of_a) found.face = face_of_b;
-    if (!is_of_a && !(is_across_b && is_given(Features::Kind::kFaceOfB))) return false;
-    // Of parallel faces, rounding decides which is found.
-    if (is_across_a && is_across_b) return false;
-  } else if (!SetEdges(couple, simplex, count, normal, found) ||
-             !is_given(Features::Kind::kEdges)) {
-    return false;
+  if (found.kind == Features::Kind::kNone && SetEdges(couple, simplex, count, normal, found)) {
+    found.kind = Features::Kind::kEdges;
+    given = Of(couple, found);
   }
+  if (!is_given()) return couple.is_curved && SetSmooth(couple, slop, features, separation);
+  separation.normal = given.separation.normal;
+  separation.gap = given.separation.gap;
+  if (given.IsInside()) separation = given.separation;
   features = found;
   return true;
 }
 
-Recalled Recall(const Couple& couple, const Memory& memory, double reach) {
-  const Given given = Of(couple, memory.features);
+Recalled Recall(const Couple& couple, const Memory& memory, const Vec3& axis, double reach) {
+  Features features = memory.features;
+  if (IsSmooth(features.kind)) return RecallSmooth(couple, features, axis, reach);
+  Given given = Of(couple, features);
+  if (given.separation.gap <= reach && IsFace(features.kind)) TakeParallel(couple, features, given);
   const Separation& separation = given.separation;
   Recalled recalled{.separation = separation, .has_points = given.IsInside()};
-  if (!given.is_valid ||
-      (separation.gap <= reach && IsParallel(couple, memory.features.kind, separation.normal)))
+  if (!given.is_valid || (separation.gap <= reach && features.kind == Features::Kind::kEdges &&
+                          HasFaceAcross(couple, separation.normal)))
     return recalled;
   if (couple.is_curved) {
     // So far inside, no normal nearby has less overlap.

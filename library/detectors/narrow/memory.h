@@ -10,13 +10,16 @@
 namespace cdb::narrow {
 
 /// The features of two pieces that give their separation: a face of one, or two edges. Corners that
-/// are nearest to an edge or a corner, and what is smooth on both, are not kept.
+/// are nearest to an edge or a corner of a polytope are not kept.
 struct Features {
   enum class Kind : std::uint8_t {
     kNone,
     kFaceOfA,  ///< with the vertex of b that is deepest behind it
     kFaceOfB,
-    kEdges,  ///< one of each, which are not parallel; of a curved surface, a line on it
+    kEdges,    ///< one of each, which are not parallel; of a curved surface, a line on it
+    kSmooth,   ///< parts that are curved together, on one of which there may be a corner
+    kEdgeOfA,  ///< the same along an edge, or a line on a curved surface
+    kEdgeOfB,
   };
   static constexpr std::uint16_t kAxis = 0xffff;  ///< in place of a vertex: a line along the axis
   Kind kind = Kind::kNone;
@@ -60,8 +63,8 @@ struct Recalled {
 };
 
 /// The separation of the cores, if the features of an earlier cycle give it and that can be proven
-/// without a search. If they are farther apart than `reach`, the normal and gap are those of an
-/// axis along which they are.
-Recalled Recall(const Couple& couple, const Memory& memory, double reach);
+/// without a search. `axis`: the normal of that cycle. If they are farther apart than `reach`, the
+/// normal and gap are those of an axis along which they are.
+Recalled Recall(const Couple& couple, const Memory& memory, const Vec3& axis, double reach);
 
 }  // namespace cdb::narrow

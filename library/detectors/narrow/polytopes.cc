@@ -6,7 +6,7 @@
 namespace cdb::narrow {
 
 bool AreApartAlong(const Placed& a, const Placed& b, const Hint& hint, double reach) {
-  const Vec3 local = {hint.axis[0], hint.axis[1], hint.axis[2]};
+  const Vec3 local = hint.Axis();
   const double square = SquaredNorm(local);
   if (square == 0) return false;
   const Vec3 axis = AxesOf(a.pose) * local;
@@ -47,7 +47,7 @@ void Polytopes(const Placed& a, const Placed& b, Hint& hint, Manifold& manifold)
   if (hint.memory == nullptr && AreApartAlong(a, b, hint, reach)) return;
   const Couple couple(a.piece, a.pose, b.piece, b.pose);
   Recalled found;
-  if (hint.memory != nullptr) found = Recall(couple, *hint.memory, reach);
+  if (hint.memory != nullptr) found = Recall(couple, *hint.memory, hint.Axis(), reach);
   if (!found.is_proven) found = {Search(couple, reach, hint), true, true};
   hint.Set(found.separation.normal);
   if (found.separation.gap > reach) {
