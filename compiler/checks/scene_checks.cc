@@ -24,7 +24,7 @@
 namespace cdb::checks {
 
 bool SceneChecks::Pass(configure::Configuration& configuration, const plan::Scene& scene) {
-  return CheckCounts(configuration, scene) && CheckClock(configuration, scene) &&
+  return CheckCounts(configuration, scene) && CheckMeasurement(configuration, scene) &&
          CheckKinds(configuration, scene) && CheckOmit(configuration, scene) &&
          CheckAccuracy(configuration, scene);
 }
@@ -33,7 +33,7 @@ bool SceneChecks::PassConfigurations(configure::Configuration& configuration, pl
   std::vector<LaidFault> faults =
       LayConfigurations(configuration.scenario(), configuration.layers(), scene);
   Report(configuration, faults);
-  if (!faults.empty() || !CheckCounts(configuration, scene) || !CheckClock(configuration, scene))
+  if (!faults.empty() || !CheckCounts(configuration, scene) || !CheckMeasurement(configuration, scene))
     return false;
   faults = FindFaultsOfConfigurations(scene);
   Report(configuration, faults);
@@ -42,7 +42,7 @@ bool SceneChecks::PassConfigurations(configure::Configuration& configuration, pl
 
 bool SceneChecks::PassTraced(configure::Configuration& configuration, plan::Scene& scene) {
   return Trace(configuration, scene) && CheckCounts(configuration, scene) &&
-         CheckClock(configuration, scene);
+         CheckMeasurement(configuration, scene);
 }
 
 // Turns the scene into one of its trace. False if a setting cannot be used with a trace.
@@ -69,8 +69,9 @@ void SceneChecks::Report(configure::Configuration& configuration,
   }
 }
 
-// Counts are of one thread. Runs whose instructions are counted are executed by Valgrind.
-bool SceneChecks::CheckClock(configure::Configuration& configuration, const plan::Scene& scene) {
+// Counts are of one thread. Runs whose instructions are counted are executed by Valgrind. The
+// height of a heap is that above the floor.
+bool SceneChecks::CheckMeasurement(configure::Configuration& configuration, const plan::Scene& scene) {
   const bool counts_events = scene.world.Lists("record", "counters"),
              counts_instructions = plan::CountsInstructions(scene),
              has_threads = scene.world.Count("threads") > 1;
@@ -102,6 +103,17 @@ bool SceneChecks::CheckClock(configure::Configuration& configuration, const plan
                       "`memory` cannot limit runs with `clock instructions`, as Valgrind needs "
                       "memory, too",
                       "remove it, or use `clock time`"});
+  const Eigen::Vector3d& pull = scene.world.Vector("acceleration");
+  if (scene.world.Lists("record", "repose") &&
+      (scene.world.WordOr("world.walls") == "none" || pull.x() != 0 || pull.z() != 0 ||
+       !(pull.y() < 0)))
+    faults.push_back({&scenario::kContradiction,
+                      {"", schema::WorldParameter("record").get()},
+                      "repose",
+                      "the angle of repose is that of a heap on the floor, along y, and the scene "
+                      "has no floor, or no gravity towards it",
+                      "write `world { walls floor }` and `acceleration (0, -9.81, 0)`, or remove "
+                      "'repose'"});
   Report(configuration, faults);
   return faults.empty();
 }

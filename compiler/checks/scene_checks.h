@@ -49,7 +49,7 @@ class SceneChecks {
   bool Trace(configure::Configuration& configuration, plan::Scene& scene);
   void Report(configure::Configuration& configuration, const std::vector<LaidFault>& faults);
   bool CheckCounts(configure::Configuration& configuration, const plan::Scene& scene);
-  bool CheckClock(configure::Configuration& configuration, const plan::Scene& scene);
+  bool CheckMeasurement(configure::Configuration& configuration, const plan::Scene& scene);
   bool CheckPlaces(configure::Configuration& configuration, const plan::Scene& scene);
   bool CheckTable(configure::Configuration& configuration, const plan::Scene& scene,
                   const plan::Group& group);

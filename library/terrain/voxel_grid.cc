@@ -27,6 +27,7 @@ constexpr VoxelReader kVoxelReaders[] = {{".raw", ReadRaw},
                                          {".npy", ReadNpy},
                                          {".ply", ReadPlyPoints},
                                          {".pcd", ReadPcd}};
+static_assert(std::ranges::equal(kVoxelReaders, plan::kVoxelFormats, {}, &VoxelReader::extension));
 
 VoxelGrid ReadVoxels(std::string_view bytes, std::string_view name, const VoxelOptions& options) {
   std::string extension = std::filesystem::path(name).extension().string();

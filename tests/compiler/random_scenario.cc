@@ -115,6 +115,7 @@ class Maker {
       if (parameter.TakesDetectors() && !IsBuilt(word)) continue;
       if (word == "vertices") continue;  // of soft bodies
       if (word == "counters") continue;  // refused beside several threads
+      if (word == "repose") continue;    // refused without a floor
       // Kinematic objects cannot be in schedules or piles.
       if (word == analysis::kKinematicWord) continue;
       words.emplace_back(word);

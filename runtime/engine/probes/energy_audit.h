@@ -1,6 +1,6 @@
 // Finds energy that is lost although nothing can take it: in joints without friction, in elastic
 // bounces, in rolling without resistance; and energy that is gained although nothing can give it:
-// in rolling, and in rebounds.
+// in rolling, and in rebounds. And the energy that is recorded of a scene with springs.
 #pragma once
 
 #include <cstdint>
@@ -8,6 +8,7 @@
 
 #include "runtime/engine/probes/body_states.h"
 #include "runtime/engine/world/coefficients.h"
+#include "runtime/protocol/recording.h"
 
 namespace cdb::probes {
 
@@ -70,5 +71,26 @@ class EnergyAudit {
   double approached_ = 0, excess_ = 0;    ///< J: of impacts, and of their rebounds
   std::vector<std::uint32_t> connected_;  ///< by object: another one, or itself
 };
+
+/// J, of springs.
+struct SpringEnergies {
+  double plain = 0;
+  double with_term = 0;  ///< plus the integrator's own, dt F.v / 2
+};
+
+/// J: kinetic energy, that of springs, and `other`, as a rule with the integrator's own term, which
+/// explicit springs keep (Links::SpringEnergy). They also keep it where they explode: near
+/// w timestep = 2 with a hundred times as much kinetic energy, and beyond, where it can become less
+/// than any bound while the objects get ever faster. So the plain energy of springs counts if it
+/// has grown without a bound, or if kinetic energy and springs together are below 0, as they never
+/// are below that limit.
+inline double RecordedEnergy(double kinetic, double other, const SpringEnergies& springs,
+                             const protocol::VerdictScales& scales) {
+  constexpr double kDiverged = 1e4;
+  const double plain = kinetic + other + springs.plain;
+  const bool is_diverged = kinetic + springs.with_term < 0 ||
+                           plain - scales.initial_energy > kDiverged * scales.energy_scale;
+  return is_diverged ? plain : kinetic + other + springs.with_term;
+}
 
 }  // namespace cdb::probes

@@ -116,6 +116,7 @@ class Probes {
   void RecordEnergy(std::uint64_t cycle);
   void SetScales();
   void RecordPoses(std::uint64_t cycle);
+  void RecordRepose(std::uint64_t cycle);
   void RecordBoxes(std::uint64_t cycle);
   void RecordFilters();
   std::size_t PlaceOfWall(const btRigidBody& wall) const;

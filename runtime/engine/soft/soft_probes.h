@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "compiler/plan/plan.h"
-#include "runtime/engine/probes/recorded_energy.h"
+#include "runtime/engine/probes/energy_audit.h"
 #include "runtime/engine/soft/soft_world.h"
 #include "runtime/protocol/recording.h"
 
