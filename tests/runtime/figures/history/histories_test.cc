@@ -12,7 +12,7 @@ namespace {
 using history::FileFigures;
 
 /// `scene`: empty as of a file whose plan cannot be read.
-FileFigures MadeUpFile(int commit, const std::string& scene, bool has_counters) {
+FileFigures FileOfCommit(int commit, const std::string& scene, bool has_counters) {
   FileFigures file;
   file.file = std::to_string(commit) + ".h5";
   file.benchmark = "fixture";
@@ -28,7 +28,7 @@ TEST(Histories, KeepTimesWithCountersApartIfPlansCannotBeRead) {
     std::vector<FileFigures> files;
     for (int commit = 0; commit < 16; ++commit) {
       const bool has_counters = commit >= 8 && commit < 14;
-      files.push_back(MadeUpFile(
+      files.push_back(FileOfCommit(
           commit, is_last_readable && commit >= 13 ? has_counters ? "counted" : "plain" : "",
           has_counters));
     }
