@@ -353,7 +353,7 @@ class TimeComparer {
       return "one of the files counts instructions, the other measures time: run both with the "
              "same "
              "clock";
-    if (a_.file.Has("counters") != b_.file.Has("counters"))
+    if (HasCounters(a_.file) != HasCounters(b_.file))
       return "one of the files records counters, whose reading is part of its times: run both with "
              "the same `record`";
     const MeasuredPoint *a = MeasuredA(i), *b = MeasuredB(i);

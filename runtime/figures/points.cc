@@ -288,6 +288,8 @@ bool CountsInstructions(const results::ResultFile& file) {
   return plan && plan::CountsInstructions(*plan);
 }
 
+bool HasCounters(const results::ResultFile& file) { return file.Has("counters"); }
+
 std::string CountsText(const std::string& name) {
   return fmt::format(
       "Left out: the numbers of instructions, which are no times; with those of another build: cdb "

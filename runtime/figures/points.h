@@ -122,6 +122,9 @@ std::optional<plan::Plan> ReadPlan(const results::ResultFile& file);
 
 /// True if the times in the file are numbers of instructions.
 bool CountsInstructions(const results::ResultFile& file);
+/// True if the times in the file include those of reading the counters of `record counters`; they
+/// are not compared with times that do not.
+bool HasCounters(const results::ResultFile& file);
 /// A line that says what results without these numbers leave out. `name`: of the file.
 std::string CountsText(const std::string& name);
 /// Throws StoreError if they are: for what states times. `name`: of the file.

@@ -172,9 +172,13 @@ class CounterTables {
  public:
   CounterTables(const figures::Model& model, const std::vector<std::size_t>& by)
       : model_(model), rows_(figures::MatchRows(model.points(), by)) {
-    for (std::size_t i = 0; i < protocol::kCounterCount; ++i)
-      (IsCounted(static_cast<schema::Counter>(i)) ? counted_ : missing_)
-          .push_back(static_cast<schema::Counter>(i));
+    for (std::size_t i = 0; i < protocol::kCounterCount; ++i) {
+      const auto counter = static_cast<schema::Counter>(i);
+      (IsCounted(counter)         ? counted_
+       : IsPartlyCounted(counter) ? partial_
+                                  : missing_)
+          .push_back(counter);
+    }
   }
 
   /// Without a table if the phase was not measured.
@@ -206,17 +210,36 @@ class CounterTables {
          .table = table.Take()});
   }
 
-  std::string MissingNote() const {
-    if (missing_.empty()) return {};
-    std::vector<std::string_view> names;
-    for (const schema::Counter counter : missing_) names.push_back(NameOf(counter));
-    return fmt::format(
-        "{}: not counted by the machine of these runs; most virtual machines hide these counters "
-        "(cdb doc counters).",
-        fmt::join(names, ", "));
+  /// Lines about the counters that have no column.
+  std::vector<std::string> Notes() const {
+    std::vector<std::string> lines;
+    if (!missing_.empty())
+      lines.push_back(
+          fmt::format("{}: not counted by the machine of these runs{} (cdb doc counters).",
+                      NamesOf(missing_), ReasonText()));
+    if (!partial_.empty())
+      lines.push_back(
+          fmt::format("{}: without a mean, since only some of the cycles were counted (cdb doc "
+                      "counters).",
+                      NamesOf(partial_)));
+    return lines;
   }
 
  private:
+  /// The likely reason why counters are missing, by those that are not.
+  const char* ReasonText() const {
+    const std::size_t missing = missing_.size();
+    if (missing == protocol::kCounterCount) return ", which does not permit it";
+    const bool misses_faults =
+        std::ranges::find(missing_, schema::Counter::kPageFaults) != missing_.end();
+    const bool misses_processor = missing + 1 == protocol::kCounterCount && !misses_faults;
+    return misses_processor ? "; most virtual machines hide these counters" : "";
+  }
+  static std::string NamesOf(const std::vector<schema::Counter>& counters) {
+    std::vector<std::string_view> names;
+    for (const schema::Counter counter : counters) names.push_back(NameOf(counter));
+    return fmt::format("{}", fmt::join(names, ", "));
+  }
   static std::string_view NameOf(schema::Counter counter) {
     return schema::kCounters[static_cast<std::size_t>(counter)];
   }
@@ -228,10 +251,19 @@ class CounterTables {
       return !std::isnan(figures::CounterOf(model_.file(), row.points, counter, Phase::kStep));
     });
   }
+  bool IsPartlyCounted(schema::Counter counter) const {
+    for (const figures::MeasuredPoint& point : model_.points())
+      for (const figures::Cell& cell : point.cells)
+        for (const double count : model_.file().ReadCounter(counter, Phase::kStep, cell))
+          if (!std::isnan(count)) return true;
+    return false;
+  }
 
   const figures::Model& model_;
   const figures::Rows rows_;
-  std::vector<schema::Counter> counted_, missing_;
+  std::vector<schema::Counter> counted_;
+  std::vector<schema::Counter> partial_;  ///< in some of the cycles of every row
+  std::vector<schema::Counter> missing_;
 };
 
 }  // namespace
@@ -244,8 +276,8 @@ void AddCounters(const figures::Model& model, const std::vector<std::size_t>& by
   if (phases.empty())
     for (std::size_t i = 0; i < protocol::kPhaseCount; ++i)
       tables.AddPhase(static_cast<Phase>(i), document);
-  std::string note = tables.MissingNote();
-  if (!note.empty()) document.push_back({.lines = {std::move(note)}});
+  std::vector<std::string> notes = tables.Notes();
+  if (!notes.empty()) document.push_back({.lines = std::move(notes)});
 }
 
 // Small plots of characters, for `cdb show --plot`.

@@ -25,7 +25,7 @@ using history::FileFigures;
 using history::PointFigures;
 
 /// Increased if anything is read from the files differently.
-constexpr int kCacheVersion = 1;
+constexpr int kCacheVersion = 2;
 
 /// What tells a file from its later versions.
 struct Stamp {
@@ -54,7 +54,8 @@ nlohmann::json ToJson(const CachedFile& of) {
           {"started", of.figures.started},
           {"facts", of.figures.facts},
           {"points", std::move(points)},
-          {"unsound", of.figures.unsound}};
+          {"unsound", of.figures.unsound},
+          {"counters", of.figures.has_counters}};
 }
 
 /// Throws nlohmann::json::exception.
@@ -67,6 +68,7 @@ CachedFile FromJson(const std::string& name, const nlohmann::json& of) {
   figures.started = figures.place = of.at("started");
   figures.facts = of.at("facts");
   figures.unsound = of.at("unsound");
+  figures.has_counters = of.at("counters");
   for (const nlohmann::json& point : of.at("points"))
     figures.points.push_back(
         {point.at("place"), point.at("scene"), point.at("figures"), point.at("state")});

@@ -43,23 +43,26 @@ void Label(History& history) {
   }
 }
 
-/// The identity of a point in all files: its scene. A file whose plan cannot be read has places
-/// only, each of which is matched with the first scene there.
+/// The identity of a point in all files: its scene, which includes what is recorded. A file whose
+/// plan cannot be read has places only, each of which is matched with the first scene there that
+/// has counters if the file does.
 class Scenes {
  public:
   explicit Scenes(const std::vector<const FileFigures*>& files) {
     for (const FileFigures* file : files)
       for (const PointFigures& point : file->points)
-        if (!point.scene.empty()) by_place_.emplace(point.place, point.scene);
+        if (!point.scene.empty())
+          by_place_.emplace(std::pair(point.place, file->has_counters), point.scene);
   }
-  std::string Of(const PointFigures& point) const {
+  std::string Of(const FileFigures& file, const PointFigures& point) const {
     if (!point.scene.empty()) return point.scene;
-    const auto found = by_place_.find(point.place);
-    return found == by_place_.end() ? "at " + point.place : found->second;
+    const auto found = by_place_.find({point.place, file.has_counters});
+    if (found != by_place_.end()) return found->second;
+    return fmt::format("{}at {}", file.has_counters ? "counted " : "", point.place);
   }
 
  private:
-  std::map<std::string, std::string> by_place_;
+  std::map<std::pair<std::string, bool>, std::string> by_place_;
 };
 
 /// The points of one scene: the file of each.
@@ -72,7 +75,8 @@ std::vector<Points> PointsOf(const History& history) {
   std::vector<Points> all;
   for (std::size_t file = 0; file < history.files.size(); ++file)
     for (const PointFigures& point : history.files[file]->points) {
-      const auto [scene, is_new] = found.emplace(scenes.Of(point), all.size());
+      const auto [scene, is_new] =
+          found.emplace(scenes.Of(*history.files[file], point), all.size());
       if (is_new) all.emplace_back();
       Points& points = all[scene->second];
       // Two points of one grid may have the same scene: the first counts.

@@ -3,7 +3,8 @@
 //
 // Series are of one machine (model of the processor and kind of build) and of one scene: a run's
 // settings, without the contents of plug-ins, which are what changes, and the repeats. Points are
-// therefore matched also if axes were added, and never if the scene is another one.
+// therefore matched also if axes were added, and never if the scene is another one, or if only one
+// of them records counters.
 #pragma once
 
 #include <cstddef>
@@ -14,6 +15,10 @@
 #include <vector>
 
 #include "runtime/figures/history/change_points.h"
+
+namespace cdb::results {
+class ResultFile;
+}
 
 namespace cdb::history {
 
@@ -36,6 +41,7 @@ struct FileFigures {
   std::map<std::string, std::string> facts;  ///< of provenance (kFacts), those that it has
   std::vector<PointFigures> points;          ///< those that are sound
   std::size_t unsound = 0;                   ///< number of points whose figures are not used
+  bool has_counters = false;                 ///< as figures::HasCounters
   bool operator==(const FileFigures&) const = default;
 };
 

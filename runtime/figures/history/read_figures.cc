@@ -74,6 +74,7 @@ FileFigures ReadFigures(const std::filesystem::path& path, const std::string& na
   read.benchmark = file.benchmark();
   read.title = file.title();
   read.started = read.place = StartOf(file);
+  read.has_counters = figures::HasCounters(file);
   for (const char* fact : kReadFacts)
     if (std::string text = file.ReadProvenance(fact); !text.empty())
       read.facts.emplace(fact, std::move(text));

@@ -60,7 +60,11 @@ int OpenEvent(schema::Counter counter, int leader) {
   return static_cast<int>(syscall(SYS_perf_event_open, &attr, 0, -1, leader, PERF_FLAG_FD_CLOEXEC));
 }
 
-constexpr const char* kNoRoom = "the processor cannot count all of them at once";
+constexpr const char* kHidden = "not available; most virtual machines hide them";
+constexpr const char* kNoEvent =
+    "the processor has no such events; a virtual machine may hide some";
+constexpr const char* kNoRoom =
+    "the processor cannot count all of them at once, or another program uses its counters";
 
 std::string ReasonOf(int error, bool is_first) {
   switch (error) {
@@ -69,7 +73,7 @@ std::string ReasonOf(int error, bool is_first) {
     case ENOENT:
     case ENODEV:
     case EOPNOTSUPP:
-      return "not available; most virtual machines hide them";
+      return kHidden;
     case EACCES:
     case EPERM:
       return "not permitted: set kernel.perf_event_paranoid to 2 or less by sysctl, or allow "
@@ -86,35 +90,36 @@ std::string ReasonOf(int error, bool is_first) {
 EventCounters::EventCounters() : EventCounters(AllCounters()) {}
 
 EventCounters::EventCounters(std::span<const schema::Counter> wanted) {
-  Open(wanted);
-  // A group that does not fit onto the processor's counters does not count at all.
-  while (!members_.empty() && !IsCounting()) {
-    const auto last = std::find_if(members_.rbegin(), members_.rend(),
-                                   [](const Member& one) { return IsHardware(one.counter); });
-    const schema::Counter given_up =
-        last == members_.rend() ? members_.back().counter : last->counter;
-    missing_.push_back({given_up, kNoRoom});
-    Close();
-    Open(wanted);
+  std::vector<schema::Counter> group;
+  for (const schema::Counter counter : wanted) {
+    group.push_back(counter);
+    std::string why = Open(group);
+    if (why.empty()) continue;
+    missing_.push_back({counter, std::move(why)});
+    group.pop_back();
   }
+  Open(group);
+  const bool has_processor_events =
+      std::ranges::any_of(members_, [](const Member& one) { return IsHardware(one.counter); }) ||
+      std::ranges::find(missing_, kNoRoom, &MissingCounter::why) != missing_.end();
+  if (!has_processor_events) return;
+  for (MissingCounter& one : missing_)
+    if (one.why == kHidden) one.why = kNoEvent;
 }
 
 EventCounters::~EventCounters() { Close(); }
 
-void EventCounters::Open(std::span<const schema::Counter> wanted) {
-  for (const schema::Counter counter : wanted) {
-    if (std::ranges::find(missing_, counter, &MissingCounter::counter) != missing_.end()) continue;
+std::string EventCounters::Open(std::span<const schema::Counter> group) {
+  Close();
+  for (const schema::Counter counter : group) {
     const bool is_first = members_.empty();
     const int fd = OpenEvent(counter, is_first ? -1 : members_.front().fd), error = errno;
-    if (fd >= 0)
-      members_.push_back({counter, fd});
-    else
-      missing_.push_back({counter, ReasonOf(error, is_first)});
+    if (fd < 0) return ReasonOf(error, is_first);
+    members_.push_back({counter, fd});
   }
-}
-
-bool EventCounters::IsCounting() const {
-  return std::ranges::any_of(Read(), [](double count) { return !std::isnan(count); });
+  const bool is_counting =
+      std::ranges::any_of(Read(), [](double count) { return !std::isnan(count); });
+  return is_counting ? "" : kNoRoom;
 }
 
 void EventCounters::Close() {

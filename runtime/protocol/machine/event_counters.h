@@ -21,8 +21,8 @@ struct MissingCounter {
 };
 
 /// Counts the events of the thread that constructs it, in user mode. The counters are one group, so
-/// that no count is an estimate from a part of the time: those at the end of the list that the
-/// processor cannot count beside the others are left out.
+/// that no count is an estimate from a part of the time: a counter that the processor cannot count
+/// beside those before it in the list is left out.
 /// Source: perf_event_open(2); the generic events of its `config`.
 /// Threads: Read is of the thread that constructed it; events of other threads are not counted.
 /// Errors: none; what cannot be counted is in missing().
@@ -44,8 +44,9 @@ class EventCounters {
     schema::Counter counter;
     int fd;
   };
-  void Open(std::span<const schema::Counter> wanted);
-  bool IsCounting() const;
+  /// Opens the group in place of the one before. Returns the reason why not all of it counts, which
+  /// is that of its last counter if the others count; empty if all count.
+  std::string Open(std::span<const schema::Counter> group);
   void Close();
 
   std::vector<Member> members_;  ///< the first leads the group

@@ -181,6 +181,25 @@ TEST(HistoryCommand, KeepsCountsOfInstructionsApart) {
   EXPECT_THAT(program.Run({"history", "history"}).out, HasSubstr("MORE INSTRUCTIONS between c08"));
 }
 
+TEST(HistoryCommand, KeepsTimesWithCountersApart) {
+  const Program program;
+  WriteCommits(program, 16, [](int commit, ComparedResult& result) {
+    const bool has_counters = commit >= 8;
+    result.plan = ComparedPlan(1, {"10"}, {"simple"}, "",
+                               has_counters ? "timing, pairs, counters" : "timing, pairs");
+    result.change = Slower(0, has_counters ? 1.5 : 1);
+  });
+  const json found = JsonOf(program)["histories"][0];
+  EXPECT_EQ(found["changes"].size(), 0u) << found["changes"].dump(1);
+  std::size_t of_step = 0;
+  for (const json& series : found["series"]) {
+    if (series["figure"] != "step") continue;
+    ++of_step;
+    EXPECT_NE(series["values"][0].is_null(), series["values"][15].is_null());
+  }
+  EXPECT_EQ(of_step, 2u);
+}
+
 TEST(HistoryCommand, JoinsPointsThatChangeTogether) {
   const Program program;
   WriteCommits(program, 18, [](int commit, ComparedResult& result) {

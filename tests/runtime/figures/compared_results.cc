@@ -15,14 +15,15 @@
 namespace cdb::tests {
 
 plan::Plan ComparedPlan(std::uint64_t repeats, const std::vector<std::string>& quantities,
-                        const std::vector<std::string>& detectors, const std::string& more) {
+                        const std::vector<std::string>& detectors, const std::string& more,
+                        const std::string& record) {
   const std::string detector =
       detectors.empty() ? "" : fmt::format("detector sweep({})", fmt::join(detectors, ", "));
-  const compiler::Compilation compiled = CompileText(fmt::format(
-      "benchmark fixture \"A comparison\" {{\n  cycles {}\n  repeats {}\n"
-      "  record timing, pairs\n  accuracy {{ metrics position }}\n  world.side 1000\n  {}\n"
-      "  {}\n  objects {{ quantity sweep({}) }}\n}}\n",
-      kComparedCycles, repeats, more, detector, fmt::join(quantities, ", ")));
+  const compiler::Compilation compiled = CompileText(
+      fmt::format("benchmark fixture \"A comparison\" {{\n  cycles {}\n  repeats {}\n"
+                  "  record {}\n  accuracy {{ metrics position }}\n  world.side 1000\n  {}\n"
+                  "  {}\n  objects {{ quantity sweep({}) }}\n}}\n",
+                  kComparedCycles, repeats, record, more, detector, fmt::join(quantities, ", ")));
   if (compiled.plans.size() != 1) throw std::runtime_error("the fixture has errors");
   return compiled.plans[0];
 }

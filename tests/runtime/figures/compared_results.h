@@ -43,7 +43,7 @@ plan::Plan ComparedPlan(std::uint64_t repeats,
                         const std::vector<std::string>& quantities = {"10", "20"},
                         const std::vector<std::string>& detectors = {"simple", "dbvt", "sap",
                                                                      "grid"},
-                        const std::string& more = "");
+                        const std::string& more = "", const std::string& record = "timing, pairs");
 
 void WriteCompared(const ComparedResult& of, const std::filesystem::path& out);
 

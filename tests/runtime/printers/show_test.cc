@@ -134,6 +134,45 @@ std::string Shown(
   return printers::Show(results::ResultFile(folder / "out.h5")).text;
 }
 
+/// The output of `show` for 4 cycles with these counts of each phase, in the order of
+/// schema::kCounters.
+std::string ShownCounts(const std::vector<std::vector<double>>& counts) {
+  const plan::Plan plan =
+      MakePlan({NumberAxis("quantity", {10})}, 1, {.cycles = 4, .record = {"timing", "counters"}});
+  std::vector<double> values;
+  for (const std::vector<double>& of_counter : counts)
+    for (std::size_t phase = 0; phase < protocol::kPhaseCount; ++phase)
+      values.insert(values.end(), of_counter.begin(), of_counter.end());
+  const TemporaryFolder folder;
+  FakeResult fake(plan.runs[0]);
+  for (auto& [series, bytes] : fake.result.series)
+    if (series->name == "counters") bytes = std::as_bytes(std::span(values));
+  WriteRun(plan, plan.runs[0], fake.result, TestProvenance(), folder.path());
+  journal::Merge(plan, TestProvenance(), folder.path(), folder / "out.h5");
+  return printers::Show(results::ResultFile(folder / "out.h5")).text;
+}
+
+TEST(Show, SaysWhichCountersAreMissing) {
+  const std::vector<double> none(4, NAN), zeros(4, 0);
+  const std::string hidden = ShownCounts({none, none, none, none, zeros});
+  EXPECT_NE(hidden.find("instructions, cpu_cycles, cache_misses, branch_misses: not counted by the "
+                        "machine of these runs; most virtual machines hide these counters"),
+            std::string::npos)
+      << hidden;
+  const std::string denied = ShownCounts({none, none, none, none, none});
+  EXPECT_NE(denied.find("page_faults: not counted by the machine of these runs, which does not "
+                        "permit it"),
+            std::string::npos)
+      << denied;
+  const std::string some =
+      ShownCounts({{1000, 1000, 1000, 1000}, {500, 1500, 3000, 3000}, none, {7, NAN, 7, 7}, zeros});
+  for (const char* part : {"instructions  cpu_cycles  page_faults  per cpu_cycle",
+                           "cache_misses: not counted by the machine of these runs (cdb doc",
+                           "branch_misses: without a mean, since only some of the cycles were"})
+    EXPECT_NE(some.find(part), std::string::npos) << part << " in:\n" << some;
+  EXPECT_EQ(some.find("virtual"), std::string::npos) << some;
+}
+
 TEST(Show, NamesThePaddingOfRunsOfDifferentLength) {
   const auto shown = [](std::uint64_t cycles) {
     plan::Plan plan = MakePlan({NumberAxis("hz", {15, 30})}, 1, {.cycles = 100});

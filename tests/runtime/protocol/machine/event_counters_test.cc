@@ -54,6 +54,16 @@ TEST(EventCounters, AreEitherCountedOrMissingForAReason) {
   EXPECT_EQ(counters.CountsNothing(), counters.missing().size() == counts.size());
 }
 
+TEST(EventCounters, AreNotHiddenByAProcessorThatCountsOthers) {
+  const EventCounters counters;
+  const machine::Counts counts = counters.Read();
+  if (std::isnan(CountOf(counts, Counter::kInstructions)) &&
+      std::isnan(CountOf(counts, Counter::kCpuCycles)))
+    GTEST_SKIP() << "there are no counters of the processor";
+  for (const machine::MissingCounter& missing : counters.missing())
+    EXPECT_EQ(missing.why.find("most virtual machines"), std::string::npos) << missing.why;
+}
+
 TEST(EventCounters, CountTheInstructionsOfALoop) {
   const EventCounters counters;
   const double before = CountOf(counters.Read(), Counter::kInstructions);
