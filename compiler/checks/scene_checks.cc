@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <string_view>
+#include <variant>
 
 #include "compiler/analysis/expectation.h"
 #include "compiler/analysis/joints.h"
@@ -33,7 +34,8 @@ bool SceneChecks::PassConfigurations(configure::Configuration& configuration, pl
   std::vector<LaidFault> faults =
       LayConfigurations(configuration.scenario(), configuration.layers(), scene);
   Report(configuration, faults);
-  if (!faults.empty() || !CheckCounts(configuration, scene) || !CheckMeasurement(configuration, scene))
+  if (!faults.empty() || !CheckCounts(configuration, scene) ||
+      !CheckMeasurement(configuration, scene))
     return false;
   faults = FindFaultsOfConfigurations(scene);
   Report(configuration, faults);
@@ -69,9 +71,18 @@ void SceneChecks::Report(configure::Configuration& configuration,
   }
 }
 
+// Whether a constant acceleration pulls straight to a floor, on which heaps may lie.
+bool HasHeaps(const plan::Scene& scene) {
+  const auto* pull =
+      std::get_if<Eigen::Vector3d>(&scene.world.Get(schema::WorldParameter("acceleration")));
+  return scene.world.WordOr("world.walls") != "none" && pull != nullptr && pull->x() == 0 &&
+         pull->z() == 0 && pull->y() < 0;
+}
+
 // Counts are of one thread. Runs whose instructions are counted are executed by Valgrind. The
 // height of a heap is that above the floor.
-bool SceneChecks::CheckMeasurement(configure::Configuration& configuration, const plan::Scene& scene) {
+bool SceneChecks::CheckMeasurement(configure::Configuration& configuration,
+                                   const plan::Scene& scene) {
   const bool counts_events = scene.world.Lists("record", "counters"),
              counts_instructions = plan::CountsInstructions(scene),
              has_threads = scene.world.Count("threads") > 1;
@@ -103,15 +114,12 @@ bool SceneChecks::CheckMeasurement(configure::Configuration& configuration, cons
                       "`memory` cannot limit runs with `clock instructions`, as Valgrind needs "
                       "memory, too",
                       "remove it, or use `clock time`"});
-  const Eigen::Vector3d& pull = scene.world.Vector("acceleration");
-  if (scene.world.Lists("record", "repose") &&
-      (scene.world.WordOr("world.walls") == "none" || pull.x() != 0 || pull.z() != 0 ||
-       !(pull.y() < 0)))
+  if (scene.world.Lists("record", "repose") && !HasHeaps(scene))
     faults.push_back({&scenario::kContradiction,
                       {"", schema::WorldParameter("record").get()},
                       "repose",
-                      "the angle of repose is that of a heap on the floor, along y, and the scene "
-                      "has no floor, or no gravity towards it",
+                      "the angle of repose is that of a heap on the floor, and the scene has no "
+                      "floor, or no constant gravity along -y",
                       "write `world { walls floor }` and `acceleration (0, -9.81, 0)`, or remove "
                       "'repose'"});
   Report(configuration, faults);

@@ -333,7 +333,7 @@ std::string LabelOf(const plan::Axis& axis) {
 
 std::vector<std::string> DocumentedCounts(const figures::Model& model) {
   return Those(model.file(), {"pairs", "unhandled_pairs", "manifolds", "contacts", "present",
-                              "departed", "exact_pairs", "missed_pairs"});
+                              "departed", "exact_pairs", "missed_pairs", "repose_angle", "runout"});
 }
 
 std::vector<std::string> DocumentedMemory(const figures::Model& model) {

@@ -155,7 +155,7 @@ class PointTable {
       for (const protocol::Phase phase : phases.empty() ? figures::AllPhases() : phases)
         AddPhase(phase);
     for (const char* series : {"pairs", "unhandled_pairs", "manifolds", "contacts", "present",
-                               "departed", "missed_pairs"})
+                               "departed", "missed_pairs", "repose_angle", "runout"})
       if (file_.Has(series))
         AddNumber(series,
                   [&](const MeasuredPoint& point) { return model_.CountOf(point, series); });

@@ -262,7 +262,7 @@ class CounterTables {
   const figures::Model& model_;
   const figures::Rows rows_;
   std::vector<schema::Counter> counted_;
-  std::vector<schema::Counter> partial_;  ///< in some of the cycles of every row
+  std::vector<schema::Counter> partial_;  ///< in some cycles, but in all cycles of no row
   std::vector<schema::Counter> missing_;
 };
 

@@ -178,10 +178,11 @@ Separation Separate(const Couple& couple, const Vec3& axis, double reach, Memory
 /// 0: none.
 struct Edge {
   int piece = 0;
-  /// From end to end, and the middle; of a line on a curved surface, those of the axis.
+  /// From end to end, and the middle; of a line on a curved surface that AxisOf returns, those of
+  /// the axis.
   Vec3 along = {0, 0, 0}, middle = {0, 0, 0};
-  bool is_axis = false;   ///< a line on a curved surface, parallel to the axis or of a cone
-  bool is_slant = false;  ///< from the base of a cone to its tip: its direction is that of a normal
+  bool is_axis = false;             ///< a line on a curved surface
+  bool is_slant = false;            ///< a line on a cone; which one depends on the normal
   std::uint32_t low = 0, high = 0;  ///< the vertices, if it is not
 
   /// Whether it ends in this point, or a line parallel to it does.
@@ -191,13 +192,14 @@ struct Edge {
   }
 };
 
-/// A line on the curved surface of a piece, of which only the direction is known, or not even that
-/// of a cone's; and the edge between two vertices. `which`: as Edge::piece.
+/// Any line on the curved surface of a piece, and the edge between two vertices. `which`: as
+/// Edge::piece.
 Edge AxisOf(const Couple& couple, int which);
 Edge EdgeOf(const Couple& couple, int which, std::uint32_t from, std::uint32_t to);
 
-/// The line on a cone that is across a direction from a to b, or about that; across another edge,
-/// too; and the edge itself if it is none.
+/// LineAlong: the line on the cone whose normal is nearest to `direction`, from a to b. LineAcross:
+/// of the lines whose normal is perpendicular to `other`, the one whose normal is nearest to
+/// `direction`; no edge if there is none. Both return other edges unchanged.
 Edge LineAlong(const Couple& couple, const Edge& edge, const Vec3& direction);
 Edge LineAcross(const Couple& couple, const Edge& edge, const Edge& other, const Vec3& direction);
 

@@ -10,7 +10,7 @@
 namespace cdb::narrow {
 
 /// What a kernel keeps of a pair of pieces from one cycle to the next: an axis along which they
-/// were apart, or the features that touched. It saves time, and changes no more than last digits
+/// were apart, or the features that touched. It saves time, and hardly ever changes a contact
 /// (batch.h).
 struct Hint {
   /// Of two boxes, its number in box_axes.h; -1: none.

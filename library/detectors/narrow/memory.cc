@@ -30,7 +30,8 @@ Edge EdgeOf(const Couple& couple, int which, const std::uint16_t (&of)[2]) {
   return of[0] == Features::kAxis ? AxisOf(couple, which) : EdgeOf(couple, which, of[0], of[1]);
 }
 
-Given Of(const Couple& couple, const Features& features) {
+/// `normal`: about that which they give, or gave before.
+Given Of(const Couple& couple, const Features& features, const Vec3& normal) {
   Given given;
   switch (features.kind) {
     case Features::Kind::kFaceOfA:
@@ -44,8 +45,11 @@ Given Of(const Couple& couple, const Features& features) {
     case Features::Kind::kEdges: {
       const Edge a = EdgeOf(couple, 1, features.of_a), b = EdgeOf(couple, -1, features.of_b);
       const Vec3 across = Cross(a.along, b.along);
-      given.inset =
-          CrossEdges(couple, a, b, features.is_opposite ? across : -across, given.separation);
+      // Of the lines on a cone, the normal tells which one.
+      const Vec3 direction = a.is_slant || b.is_slant ? -normal
+                             : features.is_opposite   ? across
+                                                      : -across;
+      given.inset = CrossEdges(couple, a, b, direction, given.separation);
       given.is_valid = given.IsInside();
       break;
     }
@@ -120,8 +124,8 @@ bool IsProven(const Couple& couple, const Shell& shell, const Vec3& up, double d
   return true;
 }
 
-/// The edge of a piece that is farthest along a direction, in the frame of the piece, or the line
-/// on a curved surface. False if a face is.
+/// The edge of a piece, in the frame of a, that is farthest along a direction, which is in the
+/// frame of the piece, or the line on a curved surface. False if a face is.
 bool FindEdge(const Couple& couple, int which, const Vec3& direction, Edge& edge) {
   const Piece& piece = which > 0 ? couple.a : couple.b;
   const double even = 1e-6 * piece.bound;
@@ -146,7 +150,7 @@ bool FindEdge(const Couple& couple, int which, const Vec3& direction, Edge& edge
 }
 
 /// Puts a face of the other piece in the place of a face that it is parallel to, if the gap is
-/// greater there; of equal ones, that of a stays.
+/// greater there; of about equal ones, the one with the points; of two of these, that of a.
 void TakeParallel(const Couple& couple, Features& features, Given& given) {
   const bool is_of_a = features.kind == Features::Kind::kFaceOfA;
   const Vec3& normal = given.separation.normal;
@@ -154,12 +158,13 @@ void TakeParallel(const Couple& couple, Features& features, Given& given) {
   if (!(is_of_a ? FindFace(couple.b, Inverse(couple.turn, normal), Across(couple), other.face)
                 : FindFace(couple.a, -normal, Across(couple), other.face)))
     return;
-  const auto gap_of = [&](const Given& face) {
-    return couple.is_curved && !face.IsInside() ? -kernels::kInfinity : face.separation.gap;
-  };
-  const Given of_other = Of(couple, other);
-  const double gap = gap_of(given), other_gap = gap_of(of_other);
-  if (!(other_gap > gap) && (is_of_a || other_gap < gap)) return;
+  const Given of_other = Of(couple, other, normal);
+  const double more = of_other.separation.gap - given.separation.gap;
+  const bool is_better =
+      given.IsInside() != of_other.IsInside() && (couple.is_curved || std::abs(more) <= couple.skin)
+          ? of_other.IsInside()
+          : more > 0 || (more == 0 && !is_of_a);
+  if (!is_better) return;
   features = other;
   given = of_other;
 }
@@ -173,7 +178,7 @@ Given OfFaces(const Couple& couple, const Vec3& normal, Features& found) {
   } else {
     return {};
   }
-  Given given = Of(couple, found);
+  Given given = Of(couple, found, normal);
   TakeParallel(couple, found, given);
   return given;
 }
@@ -184,15 +189,21 @@ bool HasFaceAcross(const Couple& couple, const Vec3& normal) {
          FindFace(couple.b, Inverse(couple.turn, normal), Across(couple), face);
 }
 
+/// The edge that is farthest along a normal, if there is one. False if a face is, or two edges are.
+bool FindOnlyEdge(const Couple& couple, const Vec3& normal, Edge& edge) {
+  Edge a, b;
+  if (!FindEdge(couple, 1, -normal, a) || !FindEdge(couple, -1, Inverse(couple.turn, normal), b) ||
+      (a.piece != 0 && b.piece != 0))
+    return false;
+  edge = a.piece != 0 ? a : b;
+  return true;
+}
+
 /// Where parts that are curved together touch. The edge is found by the normal alone, so that it
 /// does not depend on the search.
 bool SetSmooth(const Couple& couple, double slop, Features& features, Separation& separation) {
-  Edge a, b;
-  if (!FindEdge(couple, 1, -separation.normal, a) ||
-      !FindEdge(couple, -1, Inverse(couple.turn, separation.normal), b) ||
-      (a.piece != 0 && b.piece != 0))
-    return false;
-  const Edge& edge = a.piece != 0 ? a : b;
+  Edge edge;
+  if (!FindOnlyEdge(couple, separation.normal, edge)) return false;
   const Settled settled = Settle(couple, edge, separation.normal);
   if (!settled.is_valid || !(settled.separation.gap >= separation.gap - slop)) return false;
   separation = settled.separation;
@@ -211,11 +222,15 @@ Recalled RecallSmooth(const Couple& couple, const Features& features, const Vec3
   const Separation& separation = settled.separation;
   if (!settled.is_valid || !settled.is_certain || !(std::abs(separation.gap) > couple.skin))
     return {};
+  if (separation.gap > reach) return {separation, true, true};
+  // What a search would find by this normal.
+  Edge farthest;
   Features faces;
-  const bool is_proven =
-      separation.gap > reach ||
-      (!OfFaces(couple, separation.normal, faces).IsInside() && IsSolved(couple, separation));
-  return {separation, is_proven, true};
+  const bool is_found = FindOnlyEdge(couple, separation.normal, farthest) &&
+                        farthest.piece == edge.piece && farthest.is_axis == edge.is_axis &&
+                        farthest.low == edge.low && farthest.high == edge.high &&
+                        !OfFaces(couple, separation.normal, faces).IsInside();
+  return {separation, is_found && IsSolved(couple, separation), true};
 }
 
 }  // namespace
@@ -234,7 +249,7 @@ bool SetFeatures(const Couple& couple, const DifferenceVertex* simplex, int coun
   };
   if (found.kind == Features::Kind::kNone && SetEdges(couple, simplex, count, normal, found)) {
     found.kind = Features::Kind::kEdges;
-    given = Of(couple, found);
+    given = Of(couple, found, normal);
   }
   if (!is_given()) return couple.is_curved && SetSmooth(couple, slop, features, separation);
   separation.normal = given.separation.normal;
@@ -247,7 +262,7 @@ bool SetFeatures(const Couple& couple, const DifferenceVertex* simplex, int coun
 Recalled Recall(const Couple& couple, const Memory& memory, const Vec3& axis, double reach) {
   Features features = memory.features;
   if (IsSmooth(features.kind)) return RecallSmooth(couple, features, axis, reach);
-  Given given = Of(couple, features);
+  Given given = Of(couple, features, axis);
   if (given.separation.gap <= reach && IsFace(features.kind)) TakeParallel(couple, features, given);
   const Separation& separation = given.separation;
   Recalled recalled{.separation = separation, .has_points = given.IsInside()};

@@ -47,10 +47,10 @@ struct Memory {
 
 /// The features of the simplex of `count` vertices in which the difference of two pieces is nearest
 /// to the origin, and the separation that they give, in place of `separation`, which it is but for
-/// rounding. The simplex may have no vertices: then only faces are found. It depends on the
-/// features and the couple alone, whatever way led to them; only the points do not where features
-/// are parallel, so that the nearest are not in them. False, with Features::Kind::kNone, if no
-/// features give it, or if they are parallel.
+/// rounding. The simplex may have no vertices: then no pair of edges is found. It depends on the
+/// features and the couple alone, whatever way led to them, but for Settled::is_certain; only the
+/// points do not where features are parallel, so that the nearest are not in them. False, with
+/// Features::Kind::kNone, if no features give it.
 bool SetFeatures(const Couple& couple, const DifferenceVertex* simplex, int count,
                  Features& features, Separation& separation);
 

@@ -281,7 +281,9 @@ Edge LineAlong(const Couple& couple, const Edge& edge, const Vec3& direction) {
 Edge LineAcross(const Couple& couple, const Edge& edge, const Edge& other, const Vec3& direction) {
   if (!edge.is_slant) return edge;
   Slant slant(couple, edge.piece);
-  return slant.SetAngleAcross(other.along, direction) ? slant.Line() : Edge();
+  return slant.SetAngleAcross(other.along, direction) && Dot(slant.Normal(), direction) > 0
+             ? slant.Line()
+             : Edge();
 }
 
 Edge EdgeOf(const Couple& couple, int which, std::uint32_t from, std::uint32_t to) {

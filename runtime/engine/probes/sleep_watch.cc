@@ -1,6 +1,7 @@
 #include "runtime/engine/probes/probes.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 

@@ -97,8 +97,12 @@ EventCounters::EventCounters(std::span<const schema::Counter> wanted) {
     if (why.empty()) continue;
     missing_.push_back({counter, std::move(why)});
     group.pop_back();
+    // Another program may have taken one of those before meanwhile.
+    if (why = Open(group); why.empty()) continue;
+    Close();
+    for (const schema::Counter lost : group) missing_.push_back({lost, why});
+    group.clear();
   }
-  Open(group);
   const bool has_processor_events =
       std::ranges::any_of(members_, [](const Member& one) { return IsHardware(one.counter); }) ||
       std::ranges::find(missing_, kNoRoom, &MissingCounter::why) != missing_.end();

@@ -65,6 +65,12 @@ TEST(Repose, IsOfWhatCanMove) {
   fixed.pose.position = Vector3d(40, 20, 40);
   state.objects[0] = fixed;
   EXPECT_NEAR(Measure(scene, state).angle, all.angle, 1e-3);
+  // A few that rolled away change little.
+  for (std::size_t i = 1; i < 20; ++i) {
+    state.objects[i].pose.position = Vector3d(45, -kSide / 2, 0);
+    state.objects[i].mass = 1;
+  }
+  EXPECT_NEAR(Measure(scene, state).angle, all.angle, 0.01);
   for (layouts::ObjectState& object : state.objects) object.mass = 0;
   EXPECT_TRUE(std::isnan(Measure(scene, state).angle));
 }
