@@ -262,15 +262,22 @@ TEST(Batch, RemembersNothingThatChangesAContact) {
     fresh->Prepare(scene);
     const auto expected = SortedContacts(*fresh, scene, bodies.pairs());
     const auto contacts = SortedContacts(*batch, scene, bodies.pairs());
-    ASSERT_EQ(contacts.size(), expected.size()) << cycle;
-    for (std::size_t i = 0; i < contacts.size(); ++i) {
-      const Contact &got = contacts[i], &wanted = expected[i];
-      if (std::memcmp(&got, &wanted, sizeof got) == 0) continue;
-      const std::size_t pair = got.a / 2;
+    for (std::size_t pair = 0; pair < pairs.size(); ++pair) {
+      const auto of_pair = [&](const std::vector<Contact>& all) {
+        return std::ranges::equal_range(all, 2 * pair, {}, &Contact::a);
+      };
+      const auto got = of_pair(contacts), wanted = of_pair(expected);
+      if (std::ranges::equal(got, wanted, [](const Contact& one, const Contact& other) {
+            return std::memcmp(&one, &other, sizeof one) == 0;
+          }))
+        continue;
+      ++others;
       ASSERT_TRUE(pair >= kPolytopes && pair < kPolytopes + kOfCurved)
           << cycle << ": pair " << pair;
-      ++others;
-      ASSERT_NEAR(got.distance, wanted.distance, 0.01 * std::abs(wanted.distance))
+      ASSERT_FALSE(got.empty() || wanted.empty()) << cycle << ": pair " << pair;
+      const double depth = std::ranges::min(wanted, {}, &Contact::distance).distance;
+      ASSERT_NEAR(std::ranges::min(got, {}, &Contact::distance).distance, depth,
+                  0.01 * std::abs(depth))
           << cycle << ": pair " << pair;
     }
     found += expected.size();
