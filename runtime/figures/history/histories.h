@@ -15,10 +15,7 @@
 #include <vector>
 
 #include "runtime/figures/history/change_points.h"
-
-namespace cdb::results {
-class ResultFile;
-}
+#include "runtime/results/store.h"
 
 namespace cdb::history {
 

@@ -146,5 +146,27 @@ TEST(Population, NothingIsProvenFromTheStart) {
     }
 }
 
+TEST(Repose, NeedsAFloorAndConstantGravityTowardsIt) {
+  const auto errors = [](const std::string& statements) {
+    return dsl::Render(
+        CompileText("benchmark b { record repose; objects { size 1 } " + statements + " }")
+            .diagnostics);
+  };
+  const std::string floor = "world.walls floor; ";
+  EXPECT_EQ(errors(floor), "");
+  EXPECT_EQ(errors("world.walls all; acceleration (0, -1.62, 0)"), "");
+  for (const std::string& statements :
+       {std::string("world.walls none"), floor + "acceleration (0, 0, 0)",
+        floor + "acceleration (0, 9.81, 0)", floor + "acceleration (0.1, -9.81, 0)",
+        floor + "acceleration every(60, uniform((0, -9, 0), (0, -1, 0)))"})
+    EXPECT_THAT(errors(statements), HasSubstr("no floor, or no constant gravity along -y"))
+        << statements;
+  // Without the word, all of them may be.
+  EXPECT_EQ(
+      dsl::Render(
+          CompileText("benchmark b { world.walls none; acceleration (1, 2, 3) }").diagnostics),
+      "");
+}
+
 }  // namespace
 }  // namespace cdb::tests

@@ -29,6 +29,12 @@ Repose Measure(plan::Scene scene, const layouts::InitialState& state) {
   return {recording.Reals("repose_angle")[0], recording.Reals("runout")[0]};
 }
 
+plan::Scene Grains(std::uint64_t count) {
+  plan::Scene scene = DefaultScene(count, kSide);
+  SetGroup(scene, "size", 0.02);
+  return scene;
+}
+
 /// Uniformly distributed in a cone of this height and radius on the floor, about (3, -5).
 layouts::InitialState Cone(const plan::Scene& scene, double height, double radius) {
   layouts::InitialState state = layouts::MakeInitialState(scene);
@@ -46,7 +52,7 @@ layouts::InitialState Cone(const plan::Scene& scene, double height, double radiu
 }
 
 TEST(Repose, IsThatOfTheConeThatBodiesFill) {
-  const plan::Scene scene = DefaultScene(20000, kSide);
+  const plan::Scene scene = Grains(20000);
   for (const auto& [height, radius] : {std::pair{3.0, 6.0}, {5.0, 5.0}, {1.0, 12.0}}) {
     const auto [angle, runout] = Measure(scene, Cone(scene, height, radius));
     EXPECT_NEAR(angle, std::atan(height / radius), 0.01 * angle);
@@ -57,7 +63,7 @@ TEST(Repose, IsThatOfTheConeThatBodiesFill) {
 }
 
 TEST(Repose, IsOfWhatCanMove) {
-  const plan::Scene scene = DefaultScene(2000, kSide);
+  const plan::Scene scene = Grains(2000);
   layouts::InitialState state = Cone(scene, 3, 6);
   const Repose all = Measure(scene, state);
   layouts::ObjectState fixed = state.objects[0];
