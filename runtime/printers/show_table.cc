@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "compiler/schema/metrics.h"
+#include "compiler/schema/series.h"
 #include "runtime/figures/coverage.h"
 #include "runtime/figures/errors.h"
 #include "runtime/figures/model.h"
@@ -262,10 +263,12 @@ class PaperTable {
     const auto lists = [&](const std::vector<std::string>& names) {
       return std::ranges::find(names, name) != names.end();
     };
-    if (lists(DocumentedCounts(model_)))
+    if (lists(DocumentedCounts(model_))) {
+      if (const schema::Series* series = schema::FindSeries(name)) metric_.unit = series->unit;
       return [this, name](const figures::Row& row) {
         return Estimate{model_.CountOf(row, name), {}};
       };
+    }
     if (lists(DocumentedMemory(model_))) {
       metric_.unit = kMegabytes;
       metric_.scale = 1e6;
