@@ -15,7 +15,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-double Along(const auto& neighbour) { return neighbour.core.position.x(); }
+objects::Box BoxAround(const Core& core) {
+  const Vector3d half = Vector3d::Constant(core.outer);
+  return {core.position - half, core.position + half};
+}
 
 Core CoreAt(const objects::Solid& solid, const Vector3d& place) {
   return {place, solid.InnerRadius(), solid.OuterRadius()};
@@ -38,7 +41,7 @@ Emitter::Emitter(const plan::Scene& scene, const std::vector<ObjectState>& objec
 void Emitter::Begin() {
   small_.clear();
   large_.clear();
-  is_sorted_ = true;
+  grid_.reset();
 }
 
 void Emitter::Meet(std::size_t index, const objects::Pose& pose) {
@@ -49,7 +52,12 @@ void Emitter::Meet(std::size_t index, const objects::Pose& pose) {
   if ((pose.position - nearest).squaredNorm() > reach * reach) return;
   (outer > largest_ ? large_ : small_)
       .push_back({CoreAt(solid, pose.position), index, pose.orientation});
-  is_sorted_ = false;
+  grid_.reset();
+}
+
+void Emitter::AddToGrid(std::size_t neighbour) {
+  grid_->Add(static_cast<std::uint32_t>(neighbour), HashGrid::LevelOf(2 * largest_),
+             BoxAround(small_[neighbour].core));
 }
 
 bool Emitter::Touches(std::size_t index, const Core& core, const Neighbour& other) const {
@@ -65,16 +73,15 @@ bool Emitter::IsFree(std::size_t index, const Vector3d& place) const {
   const Core core = CoreAt(objects_[index].solid, place);
   for (const Neighbour& other : large_)
     if (Touches(index, core, other)) return false;
-  const double reach = (core.outer + largest_) * (1 + kRounding);
-  auto other = std::ranges::lower_bound(small_, place.x() - reach, {}, Along<Neighbour>);
-  for (; other != small_.end() && Along(*other) <= place.x() + reach; ++other)
-    if (Touches(index, core, *other)) return false;
-  return true;
+  return !grid_->AnyOf(BoxAround(core),
+                       [&](std::uint32_t other) { return Touches(index, core, small_[other]); });
 }
 
 std::optional<Vector3d> Emitter::FindPlace(std::size_t index) {
-  if (!is_sorted_) std::ranges::sort(small_, {}, Along<Neighbour>);
-  is_sorted_ = true;
+  if (!grid_) {
+    grid_.emplace(2 * small_.size() + 64);
+    for (std::size_t i = 0; i < small_.size(); ++i) AddToGrid(i);
+  }
   const ObjectState& object = objects_[index];
   const objects::Box domain =
       DomainOf(region_, side_, objects::Bounds(object.solid, object.pose.orientation));
@@ -83,8 +90,8 @@ std::optional<Vector3d> Emitter::FindPlace(std::size_t index) {
     for (int axis = 0; axis < 3; ++axis)
       place[axis] = stream_.Uniform(domain.lower[axis], domain.upper[axis]);
     if (!IsFree(index, place)) continue;
-    const Neighbour own{CoreAt(object.solid, place), index, object.pose.orientation};
-    small_.insert(std::ranges::upper_bound(small_, place.x(), {}, Along<Neighbour>), own);
+    small_.push_back({CoreAt(object.solid, place), index, object.pose.orientation});
+    AddToGrid(small_.size() - 1);
     return place;
   }
   return std::nullopt;

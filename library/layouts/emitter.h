@@ -9,6 +9,7 @@
 
 #include "compiler/plan/plan.h"
 #include "library/distributions/stream.h"
+#include "library/layouts/clearance.h"
 #include "library/layouts/initial_state.h"
 #include "library/layouts/region.h"
 
@@ -44,6 +45,8 @@ class Emitter {
     Eigen::Quaterniond orientation;
   };
 
+  /// Of the small ones.
+  void AddToGrid(std::size_t neighbour);
   bool IsFree(std::size_t index, const Eigen::Vector3d& place) const;
   bool Touches(std::size_t index, const Core& core, const Neighbour& other) const;
 
@@ -53,9 +56,9 @@ class Emitter {
   std::size_t first_ = 0, end_ = 0;
   double largest_ = 0;  ///< radius of the ball around an object of the group, m
   distributions::Stream stream_;
-  std::vector<Neighbour> small_;  ///< ascending in x, and not larger than an object of the group
+  std::vector<Neighbour> small_;  ///< not larger than an object of the group
   std::vector<Neighbour> large_;
-  bool is_sorted_ = true;
+  std::optional<HashGrid> grid_;  ///< of the small ones, once all are met
 };
 
 /// Throws library::SceneError if an object that spawns does not fit into its region.
