@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <string_view>
-#include <variant>
 
 #include "compiler/analysis/expectation.h"
 #include "compiler/analysis/joints.h"
@@ -23,6 +22,18 @@
 #include "dsl/text/check.h"
 
 namespace cdb::checks {
+
+namespace {
+
+/// Whether there is a floor, and a constant acceleration straight towards it.
+bool HasFloorBelow(const plan::Scene& scene) {
+  const Eigen::Vector3d* pull =
+      schema::AsVector(scene.world.Get(schema::WorldParameter("acceleration")));
+  return scene.world.WordOr("world.walls") != "none" && pull != nullptr && pull->x() == 0 &&
+         pull->z() == 0 && pull->y() < 0;
+}
+
+}  // namespace
 
 bool SceneChecks::Pass(configure::Configuration& configuration, const plan::Scene& scene) {
   return CheckCounts(configuration, scene) && CheckMeasurement(configuration, scene) &&
@@ -71,14 +82,6 @@ void SceneChecks::Report(configure::Configuration& configuration,
   }
 }
 
-// Whether a constant acceleration pulls straight to a floor, on which heaps may lie.
-bool HasHeaps(const plan::Scene& scene) {
-  const auto* pull =
-      std::get_if<Eigen::Vector3d>(&scene.world.Get(schema::WorldParameter("acceleration")));
-  return scene.world.WordOr("world.walls") != "none" && pull != nullptr && pull->x() == 0 &&
-         pull->z() == 0 && pull->y() < 0;
-}
-
 // Counts are of one thread. Runs whose instructions are counted are executed by Valgrind. The
 // height of a heap is that above the floor.
 bool SceneChecks::CheckMeasurement(configure::Configuration& configuration,
@@ -114,7 +117,7 @@ bool SceneChecks::CheckMeasurement(configure::Configuration& configuration,
                       "`memory` cannot limit runs with `clock instructions`, as Valgrind needs "
                       "memory, too",
                       "remove it, or use `clock time`"});
-  if (scene.world.Lists("record", "repose") && !HasHeaps(scene))
+  if (scene.world.Lists("record", "repose") && !HasFloorBelow(scene))
     faults.push_back({&scenario::kContradiction,
                       {"", schema::WorldParameter("record").get()},
                       "repose",

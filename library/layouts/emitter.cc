@@ -79,7 +79,7 @@ bool Emitter::IsFree(std::size_t index, const Vector3d& place) const {
 
 std::optional<Vector3d> Emitter::FindPlace(std::size_t index) {
   if (!grid_) {
-    grid_.emplace(2 * small_.size() + 64);
+    grid_.emplace(2 * small_.size() + 64);  // with room for those that come
     for (std::size_t i = 0; i < small_.size(); ++i) AddToGrid(i);
   }
   const ObjectState& object = objects_[index];

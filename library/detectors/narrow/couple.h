@@ -259,8 +259,8 @@ struct Settled {
   bool is_certain = false;  ///< any normal nearby gives the same separation, to the bit
 };
 
-/// The same to the end of Newton's method, and then rounded to 4e-9, so that the normal does not
-/// depend on where the method began.
+/// As Polish, but to the end of Newton's method, from a normal. The result is that of the normal
+/// rounded to 4e-9, so that it does not depend on where the method began.
 Settled Settle(const Couple& couple, const Edge& edge, const Vec3& normal);
 
 }  // namespace cdb::narrow

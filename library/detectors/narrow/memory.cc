@@ -30,7 +30,7 @@ Edge EdgeOf(const Couple& couple, int which, const std::uint16_t (&of)[2]) {
   return of[0] == Features::kAxis ? AxisOf(couple, which) : EdgeOf(couple, which, of[0], of[1]);
 }
 
-/// `normal`: about that which they give, or gave before.
+/// `normal`: about theirs, such as that of the last cycle.
 Given Of(const Couple& couple, const Features& features, const Vec3& normal) {
   Given given;
   switch (features.kind) {
@@ -53,7 +53,10 @@ Given Of(const Couple& couple, const Features& features, const Vec3& normal) {
       given.is_valid = given.IsInside();
       break;
     }
-    default:
+    case Features::Kind::kNone:
+    case Features::Kind::kSmooth:
+    case Features::Kind::kEdgeOfA:
+    case Features::Kind::kEdgeOfB:
       break;
   }
   return given;
@@ -76,15 +79,25 @@ void SetEdge(const Edge& edge, std::uint16_t (&of)[2]) {
   of[1] = edge.is_axis ? Features::kAxis : static_cast<std::uint16_t>(edge.high);
 }
 
-double Across(const Couple& couple) { return couple.is_curved ? kAcrossCurved : kAcross; }
-
-/// The face across a direction, if there is one.
-bool FindFace(const Piece& piece, const Vec3& direction, double square_sine, std::uint16_t& index) {
+/// Sets the face of a or b, as `kind` says, that is across the normal. False if there is none.
+bool FindFace(const Couple& couple, Features::Kind kind, const Vec3& normal, Features& found) {
+  const bool is_of_a = kind == Features::Kind::kFaceOfA;
+  const Piece& piece = is_of_a ? couple.a : couple.b;
   if (piece.faces.empty() || piece.faces.size() > 0xffff) return false;
+  const Vec3 direction = is_of_a ? -normal : Inverse(couple.turn, normal);
   const FlatFace& face = FacingFace(piece, direction);
-  index = static_cast<std::uint16_t>(&face - piece.faces.data());
-  return SquaredNorm(Cross(face.normal, direction)) <= square_sine &&
-         Dot(face.normal, direction) > 0;
+  if (!(SquaredNorm(Cross(face.normal, direction)) <=
+        (couple.is_curved ? kAcrossCurved : kAcross)) ||
+      !(Dot(face.normal, direction) > 0))
+    return false;
+  found.kind = kind;
+  found.face = static_cast<std::uint16_t>(&face - piece.faces.data());
+  return true;
+}
+/// Of a, or of b if a has none.
+bool FindFace(const Couple& couple, const Vec3& normal, Features& found) {
+  return FindFace(couple, Features::Kind::kFaceOfA, normal, found) ||
+         FindFace(couple, Features::Kind::kFaceOfB, normal, found);
 }
 
 /// The edges that cross. Two vertices may be opposite corners of the face that they make.
@@ -154,9 +167,9 @@ bool FindEdge(const Couple& couple, int which, const Vec3& direction, Edge& edge
 void TakeParallel(const Couple& couple, Features& features, Given& given) {
   const bool is_of_a = features.kind == Features::Kind::kFaceOfA;
   const Vec3& normal = given.separation.normal;
-  Features other{.kind = is_of_a ? Features::Kind::kFaceOfB : Features::Kind::kFaceOfA};
-  if (!(is_of_a ? FindFace(couple.b, Inverse(couple.turn, normal), Across(couple), other.face)
-                : FindFace(couple.a, -normal, Across(couple), other.face)))
+  Features other;
+  if (!FindFace(couple, is_of_a ? Features::Kind::kFaceOfB : Features::Kind::kFaceOfA, normal,
+                other))
     return;
   const Given of_other = Of(couple, other, normal);
   const double more = of_other.separation.gap - given.separation.gap;
@@ -171,22 +184,10 @@ void TakeParallel(const Couple& couple, Features& features, Given& given) {
 
 /// What the faces across a normal give.
 Given OfFaces(const Couple& couple, const Vec3& normal, Features& found) {
-  if (FindFace(couple.a, -normal, Across(couple), found.face)) {
-    found.kind = Features::Kind::kFaceOfA;
-  } else if (FindFace(couple.b, Inverse(couple.turn, normal), Across(couple), found.face)) {
-    found.kind = Features::Kind::kFaceOfB;
-  } else {
-    return {};
-  }
+  if (!FindFace(couple, normal, found)) return {};
   Given given = Of(couple, found, normal);
   TakeParallel(couple, found, given);
   return given;
-}
-
-bool HasFaceAcross(const Couple& couple, const Vec3& normal) {
-  std::uint16_t face;
-  return FindFace(couple.a, -normal, Across(couple), face) ||
-         FindFace(couple.b, Inverse(couple.turn, normal), Across(couple), face);
 }
 
 /// The edge that is farthest along a normal, if there is one. False if a face is, or two edges are.
@@ -266,8 +267,9 @@ Recalled Recall(const Couple& couple, const Memory& memory, const Vec3& axis, do
   if (given.separation.gap <= reach && IsFace(features.kind)) TakeParallel(couple, features, given);
   const Separation& separation = given.separation;
   Recalled recalled{.separation = separation, .has_points = given.IsInside()};
+  Features face;
   if (!given.is_valid || (separation.gap <= reach && features.kind == Features::Kind::kEdges &&
-                          HasFaceAcross(couple, separation.normal)))
+                          FindFace(couple, separation.normal, face)))
     return recalled;
   if (couple.is_curved) {
     // So far inside, no normal nearby has less overlap.

@@ -9,16 +9,17 @@
 
 namespace cdb::narrow {
 
-/// The features of two pieces that give their separation: a face of one, or two edges. Corners that
-/// are nearest to an edge or a corner of a polytope are not kept.
+/// The features of two pieces that give their separation: a face of one, two edges, or parts of
+/// which one is curved. Two polytopes that are nearest at a corner and an edge, or at two corners,
+/// have none.
 struct Features {
   enum class Kind : std::uint8_t {
     kNone,
     kFaceOfA,  ///< with the vertex of b that is deepest behind it
     kFaceOfB,
     kEdges,    ///< one of each, which are not parallel; of a curved surface, a line on it
-    kSmooth,   ///< parts that are curved together, on one of which there may be a corner
-    kEdgeOfA,  ///< the same along an edge, or a line on a curved surface
+    kSmooth,   ///< two curved surfaces, or one and a corner
+    kEdgeOfA,  ///< the same with an edge of a, or a line on its curved surface
     kEdgeOfB,
   };
   static constexpr std::uint16_t kAxis = 0xffff;  ///< in place of a vertex: a line along the axis

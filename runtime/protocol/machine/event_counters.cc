@@ -97,7 +97,7 @@ EventCounters::EventCounters(std::span<const schema::Counter> wanted) {
     if (why.empty()) continue;
     missing_.push_back({counter, std::move(why)});
     group.pop_back();
-    // Another program may have taken one of those before meanwhile.
+    // Meanwhile, another program may have taken one of the counters before it.
     if (why = Open(group); why.empty()) continue;
     Close();
     for (const schema::Counter lost : group) missing_.push_back({lost, why});
